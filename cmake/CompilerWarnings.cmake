@@ -1,0 +1,4 @@
+# Warnings for our own targets only; never exported.
+function(graphsolve_warnings target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion)
+endfunction()

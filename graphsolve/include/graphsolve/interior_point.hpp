@@ -1,0 +1,124 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "graphsolve/factorization.hpp"
+#include "graphsolve/problem.hpp"
+#include "graphsolve/status.hpp"
+
+namespace graphsolve {
+
+struct InteriorPointSettings {
+  double tolerance = 1e-8;       ///< natural residual, in the units that the row scales make
+  double largest_product = 1e-15;  ///< s z / scale of every pair at the end (its creep times its reserve)
+  int max_iterations = 60;       ///< per attempt
+};
+
+/// Outcome for one connected component of the graph.
+struct ComponentReport {
+  Status status = Status::solved;
+  int iterations = 0;      ///< factorizations, all attempts
+  int attempts = 1;        ///< 1: warm start; 2, 3: cold starts; 4: frozen couplings first
+  int dropped_rows = 0;    ///< dependent constraint rows left out by the last factorization
+  double residual = 0;     ///< natural residual at the end
+};
+
+/// CPU seconds spent in the phases of all solves; filled when given to InteriorPoint::set_profile.
+struct Profile {
+  double evaluate = 0, factorize = 0, solve = 0;
+};
+
+/// Primal-dual interior point (Mehrotra predictor-corrector) on the graph. Every connected component has its
+/// own barrier, step length and end; components without an active port run plain Newton.
+/// Allocates in the constructor only. Laws keep their private unknowns between solves: the next solve starts warm.
+class InteriorPoint {
+ public:
+  InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> symbolic, InteriorPointSettings settings = {});
+
+  /// Which instances of a port batch exist in the next solves; all of them at first.
+  void activate(int batch, std::span<const int> instances);
+
+  /// In: start. Out: solution of all components that were solved; the others keep their start, and their laws
+  /// what they remembered.
+  /// force_factor: remembered forces are multiplied by it first (a change of the step length, where z is an impulse).
+  /// noise: by component, the rounding error below which the residual cannot fall (may be empty).
+  Status solve(std::span<double> x, double force_factor = 1, std::span<const double> noise = {});
+
+  [[nodiscard]] std::span<const ComponentReport> reports() const { return reports_; }
+  [[nodiscard]] const Factorization& factorization() const { return factorization_; }
+  void set_profile(Profile* profile) { profile_ = profile; }
+  void set_tolerance(double tolerance) { settings_.tolerance = tolerance; }
+
+  /// Matrix at x as factored by the last iteration is gone after a solve; this evaluates and factors all smooth
+  /// terms at x anew, without ports (used to find dependent rows).
+  const Factorization& factorize_terms(std::span<const double> x);
+
+ private:
+  struct Lists {  ///< instances of one batch, sorted by component
+    std::vector<int> component;  ///< by instance
+    std::vector<int> all;        ///< active instances
+    std::vector<int> begin;      ///< by component, into all
+    std::vector<int> running;    ///< those of running components
+  };
+  enum class Phase { full, frozen, polish };
+
+  void make_lists(Lists& lists, std::span<const int> component_of_instance);
+  void sort_by_component(Lists& lists, std::span<const int> instances);
+  void set_running();
+  [[nodiscard]] static Instances of_component(const Lists& lists, int component) {
+    return {std::span(lists.all).subspan(lists.begin[component], lists.begin[component + 1] - lists.begin[component]),
+            lists.component};
+  }
+  [[nodiscard]] Instances running(const Lists& lists) const { return {lists.running, lists.component}; }
+  template <class F>
+  void each_row(int component, F&& f) const;
+
+  void begin(std::span<const double> x, double force_factor, std::span<const double> noise);
+  void start_warm();
+  void evaluate();
+  void evaluate_terms();
+  void evaluate_ports();
+  void set_default_scales();
+  void judge();
+  void judge_component(int component);
+  bool backtrack(int component);
+  void next_attempt(int component);
+  void refreeze(int component);
+  void restart_cold(int component, double velocity);
+  void factorize();
+  void affine_step();
+  void combined_step();
+  void take_step();
+  void right_hand_side();
+  void solve_linear();
+
+  Problem& problem_;
+  InteriorPointSettings settings_;
+  Factorization factorization_;
+  std::vector<Lists> term_lists_, port_lists_;
+  std::vector<int> running_, keep_running_;
+  std::vector<double> x_, start_, dx_, residual_, row_scale_;
+  // By component.
+  std::vector<ComponentReport> reports_;
+  std::vector<double> error_, previous_error_, product_, mu_, mu_floor_, alpha_, ratio_, sum_, correction_, scale_,
+      tolerance_, change_;
+  std::vector<int> degree_, attempt_iterations_, short_steps_, halvings_, freezes_;
+  std::vector<Status> trouble_;  ///< why the present attempt has to end; solved: it need not
+  std::vector<Phase> phase_;
+  bool restarted_ = false;
+  bool scales_known_ = false;
+  Profile* profile_ = nullptr;
+};
+
+template <class F>
+void InteriorPoint::each_row(int component, F&& f) const {
+  const Symbolic& s = factorization_.symbolic();
+  for (int k = s.component_begin(component); k < s.component_begin(component + 1); ++k) {
+    const int begin = s.row(k), end = begin + s.dimension(k);
+    for (int i = begin; i < end; ++i) f(i);
+  }
+}
+
+}  // namespace graphsolve

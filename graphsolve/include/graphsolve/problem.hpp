@@ -1,0 +1,41 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "graphsolve/block_graph.hpp"
+#include "graphsolve/port_batch.hpp"
+#include "graphsolve/term.hpp"
+
+namespace graphsolve {
+
+/// A complementarity problem on a graph: find x with  F(x) - sum J1^T f = 0  (smooth terms and ports), each f
+/// tied to its u(x) by its law. Holds references: terms and ports stay the caller's and must outlive it.
+class Problem {
+ public:
+  /// The nodes, and those edges whose rank is known; the couplings of terms and ports are added by add().
+  explicit Problem(BlockGraph graph);
+
+  void add(Term& term);
+  /// Returns the number of the batch, for InteriorPoint::activate.
+  int add(PortBatch& ports);
+
+  /// Makes residuals comparable: |residual| * scale is what the stopping test reads, one entry per row of the
+  /// node. Rows that are not set get one over the diagonal of the matrix where that is positive, else 1.
+  void set_row_scale(NodeId node, std::span<const double> scale);
+
+  [[nodiscard]] const BlockGraph& graph() const { return graph_; }
+  [[nodiscard]] std::span<Term* const> terms() const { return terms_; }
+  [[nodiscard]] std::span<PortBatch* const> ports() const { return ports_; }
+  /// By row; NaN where not set.
+  [[nodiscard]] std::span<const double> row_scale() const { return row_scale_; }
+
+ private:
+  void couple(std::span<const NodeId> nodes);
+  BlockGraph graph_;
+  std::vector<Term*> terms_;
+  std::vector<PortBatch*> ports_;
+  std::vector<double> row_scale_;
+};
+
+}  // namespace graphsolve

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "graphsolve/block_graph.hpp"
+#include "graphsolve/ordering.hpp"
+
+namespace graphsolve {
+
+/// Where one block of the matrix lies in the value array: column-major, `rows` x `columns`, no padding.
+struct BlockHandle {
+  std::int64_t offset = -1;
+  int rows = 0;
+  int columns = 0;
+};
+
+/// The elimination of a graph in a given order, worked out once: tree, fill, offsets, counts. Immutable;
+/// shared by threads.
+class Symbolic {
+ public:
+  /// Cost O(nodes + blocks of the factor). The components of the graph become contiguous ranges of pivots,
+  /// in the order of connected_components; within each the given order is kept.
+  Symbolic(const BlockGraph& graph, const Ordering& ordering);
+
+  struct Counts {
+    std::int64_t fill_blocks = 0;       ///< off-diagonal blocks (one triangle) that are not in the graph
+    std::int64_t stored_blocks = 0;     ///< all blocks of the factor, both triangles and diagonal
+    std::int64_t stored_scalars = 0;    ///< scalars in them
+    std::int64_t matrix_scalars = 0;    ///< scalars of the matrix alone
+    std::int64_t operations = 0;        ///< multiplications and divisions of one factorization
+    std::int64_t solve_operations = 0;  ///< same of one solve
+    std::int64_t memory = 0;            ///< bytes: this object and one Factorization
+    int tree_height = 0;                ///< longest path of the elimination tree, in nodes
+    int largest_front = 0;              ///< rows of the largest pivot block and what stands under it
+  };
+
+  [[nodiscard]] const Counts& counts() const { return counts_; }
+  [[nodiscard]] int pivots() const { return static_cast<int>(pivots_.size()); }
+  [[nodiscard]] int rows() const { return rows_; }
+  [[nodiscard]] int components() const { return static_cast<int>(component_begin_.size()) - 1; }
+  /// Component of a node; the pivots of component c are component_begin(c) .. component_begin(c + 1) - 1.
+  [[nodiscard]] int component(NodeId node) const { return component_of_[node.index]; }
+  [[nodiscard]] int component_begin(int component) const { return component_begin_[component]; }
+  [[nodiscard]] NodeId node(int pivot) const { return pivots_[pivot].node; }
+  [[nodiscard]] int position(NodeId node) const { return position_[node.index]; }
+  [[nodiscard]] int dimension(int pivot) const { return pivots_[pivot].dimension; }
+  [[nodiscard]] int row(int pivot) const { return pivots_[pivot].row; }  ///< first row in the user's numbering
+  [[nodiscard]] bool saddle(int pivot) const { return pivots_[pivot].saddle; }
+  /// Parent in the elimination tree, or -1.
+  [[nodiscard]] int parent(int pivot) const { return pivots_[pivot].parent; }
+  /// Later pivots coupled to this one in the factor, ascending.
+  [[nodiscard]] std::span<const int> coupled(int pivot) const;
+  /// Is this coupling of `pivot` with `coupled(pivot)[k]` fill?
+  [[nodiscard]] bool is_fill(int pivot, int k) const { return fill_[pivots_[pivot].begin + k] != 0; }
+
+  /// Block (a, b) of the matrix; a == b is the diagonal block. Throws std::invalid_argument when the factor
+  /// has no such block.
+  [[nodiscard]] BlockHandle block(NodeId a, NodeId b) const;
+  [[nodiscard]] std::int64_t values_size() const { return values_size_; }
+
+  // Plan for the numeric phase.
+  struct Pivot {
+    NodeId node;
+    int dimension;
+    int row;
+    int parent;
+    bool saddle;
+    int begin, end;         ///< range in the coupled list
+    int coupled_rows;       ///< sum of the coupled dimensions
+    std::int64_t diagonal;  ///< offset of the diagonal block
+    std::int64_t lower;     ///< offset of the blocks below it, one after the other
+    std::int64_t upper;     ///< offset of the blocks right of it, side by side
+    std::int64_t targets;   ///< first of (end - begin)^2 offsets that its elimination updates, row by row
+  };
+  [[nodiscard]] const Pivot& pivot(int k) const { return pivots_[k]; }
+  [[nodiscard]] const std::int64_t* targets(const Pivot& p) const { return targets_.data() + p.targets; }
+
+ private:
+  void find_structure(const BlockGraph& graph);
+  void lay_out();
+  void plan_updates();
+  [[nodiscard]] int find(int pivot, int later) const;
+
+  std::vector<Pivot> pivots_;
+  std::vector<int> position_, component_of_, component_begin_;
+  std::vector<int> coupled_;
+  std::vector<char> fill_;
+  std::vector<std::int64_t> block_offset_;  ///< within the lower and within the upper panel, per coupling
+  std::vector<std::int64_t> targets_;
+  std::int64_t values_size_ = 0;
+  int rows_ = 0;
+  Counts counts_;
+
+  friend class Factorization;
+};
+
+}  // namespace graphsolve

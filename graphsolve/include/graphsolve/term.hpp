@@ -1,0 +1,50 @@
+#pragma once
+
+#include <span>
+
+#include "graphsolve/block_graph.hpp"
+#include "graphsolve/symbolic.hpp"
+
+namespace graphsolve {
+
+/// Hands out, once, the places where a term or a port will read and write.
+class Wiring {
+ public:
+  explicit Wiring(const Symbolic& symbolic, const BlockGraph& graph) : symbolic_(symbolic), graph_(graph) {}
+  /// First row of the node in every vector (unknowns, residual).
+  [[nodiscard]] int row(NodeId node) const { return graph_.row(node); }
+  /// Derivative of the rows of `a` by the unknowns of `b`.
+  [[nodiscard]] BlockHandle block(NodeId a, NodeId b) const { return symbolic_.block(a, b); }
+
+ private:
+  const Symbolic& symbolic_;
+  const BlockGraph& graph_;
+};
+
+/// Instances of a batch that are to be worked on, and what belongs to each of them. Arrays named "by
+/// component" are indexed with component[instance].
+struct Instances {
+  std::span<const int> index;
+  std::span<const int> component;  ///< by instance
+};
+
+/// A batch of equal smooth contributions F(x) to the residual: dynamics, equality constraints, the gradient of
+/// an objective. Stationarity rows carry constraints as -J^T lambda, constraint rows as +g.
+/// Terms are evaluated in the order in which they were added; all terms before all ports.
+class Term {
+ public:
+  virtual ~Term() = default;
+  [[nodiscard]] virtual int size() const = 0;
+  /// Nodes that instance i touches; every pair of them is coupled.
+  [[nodiscard]] virtual std::span<const NodeId> nodes(int i) const = 0;
+  /// Called once, before anything else: keep the rows and blocks that are needed.
+  virtual void wire(const Wiring& wiring) = 0;
+  /// residual += F(x).  With values != nullptr also: the blocks of dF/dx are *added* at values + handle.offset,
+  /// column-major.
+  virtual void evaluate(Instances instances, std::span<const double> x, std::span<double> residual, double* values) = 0;
+  /// Lowers alpha (by component) so that x + alpha dx stays where F is defined. Default: no bound.
+  virtual void bound_step(Instances, std::span<const double> /*x*/, std::span<const double> /*dx*/,
+                          std::span<double> /*alpha*/) const {}
+};
+
+}  // namespace graphsolve

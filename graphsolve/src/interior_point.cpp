@@ -1,0 +1,250 @@
+#include "graphsolve/interior_point.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace graphsolve {
+
+namespace {
+
+constexpr double affine_from = 1e-3;   ///< below this residual the barrier goes straight to its floor
+constexpr double short_step = 0.15;    ///< three of these in a row end an attempt
+constexpr int newton_halvings = 8;
+
+/// Adds its life time to one phase of the profile; costs nothing without one.
+class PhaseClock {
+ public:
+  explicit PhaseClock(double* sum) : sum_(sum) {
+    if (sum_) begin_ = std::chrono::steady_clock::now();
+  }
+  ~PhaseClock() {
+    if (sum_) *sum_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  }
+  PhaseClock(const PhaseClock&) = delete;
+  PhaseClock& operator=(const PhaseClock&) = delete;
+
+ private:
+  double* sum_;
+  std::chrono::steady_clock::time_point begin_;
+};
+
+}  // namespace
+
+/// The paper's loop (section III-C) with a predictor, until every component has ended.
+Status InteriorPoint::solve(std::span<double> x, double force_factor, std::span<const double> noise) {
+  begin(x, force_factor, noise);
+  start_warm();
+  while (!running_.empty()) {
+    judge();
+    if (restarted_) {
+      evaluate();
+      continue;
+    }
+    if (running_.empty()) break;
+    factorize();
+    affine_step();
+    combined_step();
+    take_step();
+    evaluate();
+  }
+  Status worst = Status::solved;
+  for (int c = 0; c < static_cast<int>(reports_.size()); ++c) {
+    if (reports_[c].status != Status::solved) {
+      worst = reports_[c].status;
+      continue;
+    }
+    each_row(c, [&](int i) { x[i] = x_[i]; });
+  }
+  return worst;
+}
+
+void InteriorPoint::evaluate() {
+  evaluate_terms();
+  evaluate_ports();
+}
+
+void InteriorPoint::evaluate_terms() {
+  const PhaseClock clock(profile_ ? &profile_->evaluate : nullptr);
+  for (const int c : running_) {
+    factorization_.set_zero(c);
+    each_row(c, [&](int i) { residual_[i] = 0; });
+  }
+  const auto terms = problem_.terms();
+  double* values = factorization_.values().data();
+  for (std::size_t b = 0; b < terms.size(); ++b) terms[b]->evaluate(running(term_lists_[b]), x_, residual_, values);
+  if (!scales_known_) set_default_scales();
+}
+
+/// On top of evaluate_terms: forces of the ports, and the natural residual of every running component.
+void InteriorPoint::evaluate_ports() {
+  const PhaseClock clock(profile_ ? &profile_->evaluate : nullptr);
+  for (const int c : running_) error_[c] = product_[c] = 0;
+  const auto ports = problem_.ports();
+  for (std::size_t b = 0; b < ports.size(); ++b) {
+    const Instances instances = running(port_lists_[b]);
+    if (instances.index.empty()) continue;
+    ports[b]->evaluate(instances, x_, residual_);
+    ports[b]->natural_error(instances, scale_, error_, product_);
+  }
+  for (const int c : running_) {
+    double largest = error_[c];
+    each_row(c, [&](int i) {
+      const double e = std::abs(residual_[i]) * row_scale_[i];
+      if (!(e <= largest)) largest = e;  // a NaN must stay
+    });
+    error_[c] = largest;
+  }
+}
+
+/// Ends, restarts or passes on every running component.
+void InteriorPoint::judge() {
+  restarted_ = false;
+  bool ended = false;
+  keep_running_.clear();
+  for (const int c : running_) keep_running_.push_back(c);
+  for (std::size_t k = 0; k < keep_running_.size(); ++k) {
+    const int c = keep_running_[k];
+    judge_component(c);
+    if (trouble_[c] != Status::solved) next_attempt(c);
+    if (attempt_iterations_[c] < 0) ended = true;
+  }
+  if (!ended) return;
+  std::erase_if(running_, [&](int c) { return attempt_iterations_[c] < 0; });
+  set_running();
+}
+
+void InteriorPoint::judge_component(int c) {
+  reports_[c].residual = error_[c];
+  if (!std::isfinite(error_[c])) {
+    trouble_[c] = Status::not_finite;
+    return;
+  }
+  if (trouble_[c] != Status::solved) return;
+  if (error_[c] <= tolerance_[c] && product_[c] <= settings_.largest_product * scale_[c]) {
+    if (phase_[c] == Phase::frozen) {
+      refreeze(c);
+      return;
+    }
+    reports_[c].status = Status::solved;
+    attempt_iterations_[c] = -1;
+    return;
+  }
+  if (degree_[c] == 0 && backtrack(c)) return;
+  if (attempt_iterations_[c] >= settings_.max_iterations) trouble_[c] = Status::max_iterations;
+  else if (short_steps_[c] >= 3) trouble_[c] = alpha_[c] < 0 ? Status::step_bound : Status::stalled;
+}
+
+/// Newton far from the solution: halve the last step while it made the residual larger.
+bool InteriorPoint::backtrack(int c) {
+  const bool worse = attempt_iterations_[c] > 0 && previous_error_[c] > 1e-2 && error_[c] > previous_error_[c];
+  if (!worse || halvings_[c] >= newton_halvings) {
+    halvings_[c] = 0;
+    return false;
+  }
+  ++halvings_[c];
+  alpha_[c] *= 0.5;
+  each_row(c, [&](int i) { x_[i] -= alpha_[c] * dx_[i]; });
+  restarted_ = true;
+  return true;
+}
+
+void InteriorPoint::factorize() {
+  const PhaseClock clock(profile_ ? &profile_->factorize : nullptr);
+  const auto ports = problem_.ports();
+  double* values = factorization_.values().data();
+  for (std::size_t b = 0; b < ports.size(); ++b)
+    if (!port_lists_[b].running.empty()) ports[b]->condense(running(port_lists_[b]), values);
+  for (const int c : running_) {
+    const auto outcome = factorization_.factorize(c);
+    reports_[c].dropped_rows = outcome.dropped_rows;
+    if (!outcome.ok()) trouble_[c] = Status::singular;
+    ++reports_[c].iterations;
+    ++attempt_iterations_[c];
+    previous_error_[c] = error_[c];
+  }
+}
+
+void InteriorPoint::right_hand_side() {
+  for (const int c : running_) each_row(c, [&](int i) { dx_[i] = -residual_[i]; });
+  const auto ports = problem_.ports();
+  for (std::size_t b = 0; b < ports.size(); ++b)
+    if (!port_lists_[b].running.empty())
+      ports[b]->right_hand_side(running(port_lists_[b]), mu_, correction_, dx_);
+}
+
+void InteriorPoint::solve_linear() {
+  for (const int c : running_) factorization_.solve(dx_, c);
+  const auto ports = problem_.ports();
+  for (std::size_t b = 0; b < ports.size(); ++b) {
+    if (port_lists_[b].running.empty()) continue;
+    ports[b]->recover(running(port_lists_[b]), dx_);
+    ports[b]->boundary_ratio(running(port_lists_[b]), ratio_);
+  }
+}
+
+/// Predictor: how far does the step to mu = 0 lead? Sets mu and the weight of the second-order term.
+void InteriorPoint::affine_step() {
+  const PhaseClock clock(profile_ ? &profile_->solve : nullptr);
+  bool wanted = false;
+  for (const int c : running_) {
+    ratio_[c] = mu_[c] = correction_[c] = 0;
+    if (degree_[c] > 0 && !(error_[c] < affine_from)) wanted = true;
+  }
+  if (wanted) {
+    right_hand_side();
+    solve_linear();
+  }
+  const auto ports = problem_.ports();
+  const auto sum_products = [&] {
+    for (const int c : running_) sum_[c] = 0;
+    for (std::size_t b = 0; b < ports.size(); ++b)
+      if (!port_lists_[b].running.empty()) ports[b]->complementarity(running(port_lists_[b]), alpha_, sum_);
+  };
+  if (wanted) {
+    for (const int c : running_) alpha_[c] = 0;
+    sum_products();
+    for (const int c : running_) {
+      mu_[c] = sum_[c];
+      alpha_[c] = std::min(1.0, 1.0 / ratio_[c]);
+    }
+    sum_products();
+  }
+  for (const int c : running_) {
+    if (degree_[c] == 0) continue;
+    if (error_[c] < affine_from) {
+      mu_[c] = mu_floor_[c];
+      continue;
+    }
+    const double nu = mu_[c] / degree_[c], nu_affine = sum_[c] / degree_[c];
+    const double sigma = std::clamp(nu_affine / nu, 0.0, 1.0);
+    mu_[c] = std::max(sigma * sigma * sigma * nu, mu_floor_[c]);
+    correction_[c] = alpha_[c] > 0.1 ? 1 : 0;
+  }
+}
+
+void InteriorPoint::combined_step() {
+  const PhaseClock clock(profile_ ? &profile_->solve : nullptr);
+  for (const int c : running_) ratio_[c] = 0;
+  right_hand_side();
+  solve_linear();
+}
+
+void InteriorPoint::take_step() {
+  for (const int c : running_) {
+    const double tau = std::max(0.995, 1 - error_[c]);
+    alpha_[c] = ratio_[c] > tau ? tau / ratio_[c] : 1.0;
+  }
+  const auto terms = problem_.terms();
+  for (std::size_t b = 0; b < terms.size(); ++b) terms[b]->bound_step(running(term_lists_[b]), x_, dx_, alpha_);
+  const auto ports = problem_.ports();
+  for (std::size_t b = 0; b < ports.size(); ++b)
+    if (!port_lists_[b].running.empty()) ports[b]->accept(running(port_lists_[b]), alpha_);
+  for (const int c : running_) {
+    const double alpha = alpha_[c];
+    each_row(c, [&](int i) { x_[i] += alpha * dx_[i]; });
+    short_steps_[c] = alpha < short_step ? short_steps_[c] + 1 : 0;
+  }
+}
+
+}  // namespace graphsolve

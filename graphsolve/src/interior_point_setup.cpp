@@ -1,0 +1,205 @@
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "graphsolve/interior_point.hpp"
+
+/// Lists of instances by component, starts and restarts. The loop itself is in interior_point.cpp.
+namespace graphsolve {
+
+namespace {
+
+constexpr int most_freezes = 40;
+
+}  // namespace
+
+InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> symbolic, InteriorPointSettings settings)
+    : problem_(problem), settings_(settings), factorization_(std::move(symbolic)) {
+  const Symbolic& s = factorization_.symbolic();
+  const Wiring wiring(s, problem_.graph());
+  const int components = s.components();
+  std::vector<int> component_of;
+  const auto add_lists = [&](auto& batch, std::vector<Lists>& lists) {
+    batch.wire(wiring);
+    component_of.resize(batch.size());
+    for (int i = 0; i < batch.size(); ++i) component_of[i] = s.component(batch.nodes(i).front());
+    make_lists(lists.emplace_back(), component_of);
+  };
+  for (Term* term : problem_.terms()) add_lists(*term, term_lists_);
+  for (PortBatch* ports : problem_.ports()) add_lists(*ports, port_lists_);
+
+  for (auto* v : {&x_, &start_, &dx_, &residual_}) v->assign(s.rows(), 0.0);
+  row_scale_.assign(problem_.row_scale().begin(), problem_.row_scale().end());
+  for (auto* v : {&error_, &previous_error_, &product_, &mu_, &mu_floor_, &alpha_, &ratio_, &sum_, &correction_, &scale_,
+                  &tolerance_, &change_})
+    v->assign(components, 0.0);
+  for (auto* v : {&degree_, &attempt_iterations_, &short_steps_, &halvings_, &freezes_}) v->assign(components, 0);
+  trouble_.assign(components, Status::solved);
+  phase_.assign(components, Phase::full);
+  reports_.resize(components);
+  running_.reserve(components);
+  keep_running_.reserve(components);
+}
+
+void InteriorPoint::make_lists(Lists& lists, std::span<const int> component_of_instance) {
+  lists.component.assign(component_of_instance.begin(), component_of_instance.end());
+  lists.begin.assign(factorization_.symbolic().components() + 1, 0);
+  lists.all.reserve(lists.component.size());
+  lists.running.reserve(lists.component.size());
+  std::vector<int> everything(lists.component.size());
+  std::iota(everything.begin(), everything.end(), 0);
+  sort_by_component(lists, everything);
+}
+
+/// Counting sort: within a component the given order is kept.
+void InteriorPoint::sort_by_component(Lists& lists, std::span<const int> instances) {
+  auto& begin = lists.begin;
+  std::fill(begin.begin(), begin.end(), 0);
+  for (const int i : instances) ++begin[lists.component[i]];
+  std::exclusive_scan(begin.begin(), begin.end(), begin.begin(), 0);
+  lists.all.resize(instances.size());
+  for (const int i : instances) lists.all[begin[lists.component[i]]++] = i;
+  for (int c = static_cast<int>(begin.size()) - 1; c > 0; --c) begin[c] = begin[c - 1];
+  begin[0] = 0;
+}
+
+void InteriorPoint::activate(int batch, std::span<const int> instances) {
+  sort_by_component(port_lists_[batch], instances);
+}
+
+void InteriorPoint::set_running() {
+  const auto fill = [&](Lists& lists) {
+    lists.running.clear();
+    for (const int c : running_)
+      for (int k = lists.begin[c]; k < lists.begin[c + 1]; ++k) lists.running.push_back(lists.all[k]);
+  };
+  for (auto& lists : term_lists_) fill(lists);
+  for (auto& lists : port_lists_) fill(lists);
+}
+
+void InteriorPoint::begin(std::span<const double> x, double force_factor, std::span<const double> noise) {
+  std::copy(x.begin(), x.end(), x_.begin());
+  std::copy(x.begin(), x.end(), start_.begin());
+  running_.resize(reports_.size());
+  std::iota(running_.begin(), running_.end(), 0);
+  set_running();
+  for (const int c : running_) {
+    reports_[c] = {};
+    trouble_[c] = Status::solved;
+    phase_[c] = Phase::full;
+    attempt_iterations_[c] = short_steps_[c] = halvings_[c] = freezes_[c] = degree_[c] = 0;
+    previous_error_[c] = scale_[c] = 0;
+    tolerance_[c] = noise.empty() ? settings_.tolerance : std::max(settings_.tolerance, noise[c]);
+  }
+  const auto ports = problem_.ports();
+  for (std::size_t b = 0; b < ports.size(); ++b) {
+    ports[b]->remember(running(port_lists_[b]), force_factor);
+    for (const int i : port_lists_[b].running) {
+      const int c = port_lists_[b].component[i];
+      degree_[c] += ports[b]->degree(i);
+      scale_[c] = std::max(scale_[c], ports[b]->scale(i));
+    }
+  }
+  for (const int c : running_) {
+    const double least = 0.01 * settings_.tolerance;
+    mu_floor_[c] = least * least * scale_[c];
+  }
+}
+
+/// Projects the remembered point at the lowest barrier, and chooses the barrier from the residual found there.
+void InteriorPoint::start_warm() {
+  const auto ports = problem_.ports();
+  const auto start = [&] {
+    for (std::size_t b = 0; b < ports.size(); ++b)
+      if (!port_lists_[b].running.empty()) ports[b]->start_warm(running(port_lists_[b]), x_, mu_, scale_);
+  };
+  evaluate_terms();  // ports may read what terms compute from x
+  for (const int c : running_) mu_[c] = mu_floor_[c];
+  start();
+  evaluate_ports();
+  bool again = false;
+  for (const int c : running_) {
+    if (degree_[c] == 0 || error_[c] <= tolerance_[c]) continue;
+    mu_[c] = std::clamp(0.1 * error_[c] * error_[c] * scale_[c], mu_floor_[c], scale_[c]);
+    again = true;
+  }
+  if (!again) return;
+  start();
+  evaluate();
+}
+
+void InteriorPoint::set_default_scales() {
+  const Symbolic& s = factorization_.symbolic();
+  for (int k = 0; k < s.pivots(); ++k)
+    for (int i = 0; i < s.dimension(k); ++i) {
+      double& scale = row_scale_[s.row(k) + i];
+      if (!std::isnan(scale)) continue;
+      const double diagonal = factorization_.values()[s.pivot(k).diagonal + i * (s.dimension(k) + 1)];
+      scale = diagonal > 0 ? 1 / diagonal : 1.0;
+    }
+  scales_known_ = true;
+}
+
+void InteriorPoint::restart_cold(int c, double velocity) {
+  const auto ports = problem_.ports();
+  for (std::size_t b = 0; b < ports.size(); ++b)
+    ports[b]->start_cold(of_component(port_lists_[b], c), velocity, scale_);
+}
+
+/// Ladder: warm, cold at 1 m/s, cold at another scale, frozen couplings, end.
+void InteriorPoint::next_attempt(int c) {
+  const Status cause = trouble_[c];
+  const auto ports = problem_.ports();
+  trouble_[c] = Status::solved;
+  for (std::size_t b = 0; b < ports.size(); ++b) {
+    change_[c] = 0;
+    ports[b]->relax(of_component(port_lists_[b], c), 0.0, change_);
+  }
+  if (degree_[c] == 0 || reports_[c].attempts == 4) {
+    reports_[c].status = cause;
+    attempt_iterations_[c] = -1;
+    for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->restore(of_component(port_lists_[b], c));
+    return;
+  }
+  each_row(c, [&](int i) { x_[i] = start_[i]; });
+  attempt_iterations_[c] = short_steps_[c] = halvings_[c] = freezes_[c] = 0;
+  phase_[c] = Phase::full;
+  const int attempt = ++reports_[c].attempts;
+  restart_cold(c, attempt == 3 ? 0.01 : 1.0);
+  if (attempt == 4) {
+    phase_[c] = Phase::frozen;
+    for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->relax(of_component(port_lists_[b], c), 1.0, change_);
+  }
+  restarted_ = true;
+}
+
+/// The frozen problem is solved: move the frozen couplings to what they should be, or set them free.
+void InteriorPoint::refreeze(int c) {
+  const auto ports = problem_.ports();
+  change_[c] = 0;
+  const double damping = freezes_[c] < 8 ? 1.0 : 0.5;
+  for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->relax(of_component(port_lists_[b], c), damping, change_);
+  attempt_iterations_[c] = short_steps_[c] = 0;
+  restarted_ = true;
+  if (change_[c] < 1e-6 || ++freezes_[c] > most_freezes) {
+    phase_[c] = Phase::polish;
+    for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->relax(of_component(port_lists_[b], c), 0.0, change_);
+    return;
+  }
+  restart_cold(c, std::max(change_[c], 1e-4));
+}
+
+const Factorization& InteriorPoint::factorize_terms(std::span<const double> x) {
+  std::copy(x.begin(), x.end(), x_.begin());
+  running_.resize(reports_.size());
+  std::iota(running_.begin(), running_.end(), 0);
+  set_running();
+  factorization_.set_zero();
+  const auto terms = problem_.terms();
+  double* values = factorization_.values().data();
+  for (std::size_t b = 0; b < terms.size(); ++b) terms[b]->evaluate(running(term_lists_[b]), x_, residual_, values);
+  (void)factorization_.factorize();
+  return factorization_;
+}
+
+}  // namespace graphsolve

@@ -1,0 +1,36 @@
+#include "graphsolve/problem.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+namespace graphsolve {
+
+Problem::Problem(BlockGraph graph)
+    : graph_(std::move(graph)), row_scale_(graph_.rows(), std::numeric_limits<double>::quiet_NaN()) {}
+
+void Problem::couple(std::span<const NodeId> nodes) {
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    for (std::size_t j = i + 1; j < nodes.size(); ++j) graph_.add_edge(nodes[i], nodes[j]);
+}
+
+void Problem::add(Term& term) {
+  for (int i = 0; i < term.size(); ++i) couple(term.nodes(i));
+  terms_.push_back(&term);
+}
+
+int Problem::add(PortBatch& ports) {
+  for (int i = 0; i < ports.size(); ++i) couple(ports.nodes(i));
+  ports_.push_back(&ports);
+  return static_cast<int>(ports_.size()) - 1;
+}
+
+void Problem::set_row_scale(NodeId node, std::span<const double> scale) {
+  if (static_cast<int>(scale.size()) != graph_.dimension(node))
+    throw std::invalid_argument("node '" + std::string(graph_.name(node)) + "': " + std::to_string(scale.size()) +
+                                " row scales for " + std::to_string(graph_.dimension(node)) + " rows");
+  std::copy(scale.begin(), scale.end(), row_scale_.begin() + graph_.row(node));
+}
+
+}  // namespace graphsolve

@@ -1,0 +1,163 @@
+#include "graphsolve/symbolic.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+namespace graphsolve {
+
+namespace {
+
+/// Multiplications and divisions of the LU factorization of a d x d block, reciprocals of the pivots included.
+std::int64_t factor_operations(std::int64_t d) { return d + d * (d - 1) / 2 + (d - 1) * d * (2 * d - 1) / 6; }
+
+}  // namespace
+
+Symbolic::Symbolic(const BlockGraph& graph, const Ordering& ordering) : rows_(graph.rows()) {
+  const int n = graph.size();
+  if (static_cast<int>(ordering.sequence.size()) != n)
+    throw std::invalid_argument("ordering has " + std::to_string(ordering.sequence.size()) + " nodes, the graph " +
+                                std::to_string(n));
+  const Components components = connected_components(graph);
+  component_of_ = components.of_node;
+  component_begin_.assign(components.count + 1, 0);
+  for (const int c : component_of_) ++component_begin_[c + 1];
+  for (int c = 0; c < components.count; ++c) component_begin_[c + 1] += component_begin_[c];
+
+  pivots_.resize(n);
+  position_.assign(n, -1);
+  std::vector<int> next = component_begin_;
+  for (const NodeId node : ordering.sequence) {
+    if (node.index < 0 || node.index >= n || position_[node.index] >= 0)
+      throw std::invalid_argument("ordering is not a permutation of the nodes");
+    const int k = next[component_of_[node.index]]++;
+    position_[node.index] = k;
+    pivots_[k] = {.node = node,
+                  .dimension = graph.dimension(node),
+                  .row = graph.row(node),
+                  .parent = -1,
+                  .saddle = graph.kind(node) == NodeKind::saddle,
+                  .begin = 0, .end = 0, .coupled_rows = 0,
+                  .diagonal = 0, .lower = 0, .upper = 0, .targets = 0};
+  }
+  find_structure(graph);
+  lay_out();
+  plan_updates();
+}
+
+/// Column structure of the factor: what the graph couples to the pivot, joined with what its children in the
+/// elimination tree pass up.
+void Symbolic::find_structure(const BlockGraph& graph) {
+  const int n = pivots();
+  std::vector<int> mark(n, -1), first_child(n, -1), next_sibling(n, -1), height(n, 1);
+  std::vector<int> column;
+  for (int k = 0; k < n; ++k) {
+    column.clear();
+    mark[k] = k;
+    for (const auto& edge : graph.edges(pivots_[k].node)) {
+      const int i = position_[edge.to.index];
+      if (i < k) continue;
+      mark[i] = k;
+      column.push_back(i);
+    }
+    const std::size_t original = column.size();
+    for (int child = first_child[k]; child >= 0; child = next_sibling[child])
+      for (const int i : coupled(child)) {
+        if (mark[i] == k) continue;
+        mark[i] = k;
+        column.push_back(i);
+      }
+    for (std::size_t i = 0; i < original; ++i) mark[column[i]] = -2 - k;  // in the graph: not fill
+    std::sort(column.begin(), column.end());
+    pivots_[k].begin = static_cast<int>(coupled_.size());
+    for (const int i : column) {
+      coupled_.push_back(i);
+      fill_.push_back(mark[i] == k ? 1 : 0);
+      pivots_[k].coupled_rows += pivots_[i].dimension;
+    }
+    pivots_[k].end = static_cast<int>(coupled_.size());
+    if (column.empty()) continue;
+    const int parent = column.front();
+    pivots_[k].parent = parent;
+    next_sibling[k] = first_child[parent];
+    first_child[parent] = k;
+    height[parent] = std::max(height[parent], height[k] + 1);
+  }
+  for (const int h : height) counts_.tree_height = std::max(counts_.tree_height, h);
+}
+
+/// One arena in pivot order: diagonal block, blocks below, blocks to the right.
+void Symbolic::lay_out() {
+  block_offset_.resize(coupled_.size());
+  for (Pivot& p : pivots_) {
+    const std::int64_t d = p.dimension, panel = d * p.coupled_rows;
+    p.diagonal = values_size_;
+    p.lower = p.diagonal + d * d;
+    p.upper = p.lower + panel;
+    values_size_ = p.upper + panel;
+    std::int64_t offset = 0;
+    for (int e = p.begin; e < p.end; ++e) {
+      block_offset_[e] = offset;
+      const std::int64_t scalars = d * pivots_[coupled_[e]].dimension;
+      offset += scalars;
+      if (fill_[e]) ++counts_.fill_blocks;
+      else counts_.matrix_scalars += 2 * scalars;
+    }
+    counts_.matrix_scalars += d * d;
+    counts_.operations += factor_operations(d) + p.coupled_rows * d * d + d * p.coupled_rows * p.coupled_rows;
+    counts_.solve_operations += d * d + 2 * panel;
+    counts_.largest_front = std::max(counts_.largest_front, p.dimension + p.coupled_rows);
+  }
+  counts_.stored_scalars = values_size_;
+  counts_.stored_blocks = pivots() + 2 * static_cast<std::int64_t>(coupled_.size());
+}
+
+/// Offsets of the blocks that the elimination of each pivot updates: for couplings i, j the block (i, j).
+void Symbolic::plan_updates() {
+  std::int64_t size = 0;
+  for (Pivot& p : pivots_) {
+    p.targets = size;
+    size += static_cast<std::int64_t>(p.end - p.begin) * (p.end - p.begin);
+  }
+  targets_.resize(size);
+  for (const Pivot& p : pivots_) {
+    const int m = p.end - p.begin;
+    const int* later = coupled_.data() + p.begin;
+    std::int64_t* target = targets_.data() + p.targets;
+    for (int i = 0; i < m; ++i) {
+      const Pivot& pi = pivots_[later[i]];
+      target[i * m + i] = pi.diagonal;
+      int e = pi.begin;
+      for (int j = i + 1; j < m; ++j) {
+        while (coupled_[e] != later[j]) ++e;  // the coupling exists: that is what fill means
+        target[i * m + j] = pi.upper + block_offset_[e];
+        target[j * m + i] = pi.lower + block_offset_[e];
+      }
+    }
+  }
+  counts_.memory = static_cast<std::int64_t>(sizeof(Symbolic)) + pivots() * (sizeof(Pivot) + 2 * sizeof(int)) +
+                   coupled_.size() * (sizeof(int) + 1 + sizeof(std::int64_t)) +
+                   targets_.size() * sizeof(std::int64_t) + values_size_ * sizeof(double) +
+                   rows_ * (2 * sizeof(double) + 2 * sizeof(int)) + pivots() * (sizeof(double) + sizeof(int));
+}
+
+std::span<const int> Symbolic::coupled(int pivot) const {
+  return {coupled_.data() + pivots_[pivot].begin, coupled_.data() + pivots_[pivot].end};
+}
+
+int Symbolic::find(int pivot, int later) const {
+  const auto begin = coupled_.begin() + pivots_[pivot].begin, end = coupled_.begin() + pivots_[pivot].end;
+  const auto found = std::lower_bound(begin, end, later);
+  return found != end && *found == later ? static_cast<int>(found - coupled_.begin()) : -1;
+}
+
+BlockHandle Symbolic::block(NodeId a, NodeId b) const {
+  const int i = position_[a.index], j = position_[b.index];
+  const Pivot &pi = pivots_[i], &pj = pivots_[j];
+  if (i == j) return {pi.diagonal, pi.dimension, pi.dimension};
+  const int e = i < j ? find(i, j) : find(j, i);
+  if (e < 0) throw std::invalid_argument("no block between nodes " + std::to_string(a.index) + " and " + std::to_string(b.index));
+  return {(i < j ? pi.upper : pj.lower) + block_offset_[e], pi.dimension, pj.dimension};
+}
+
+}  // namespace graphsolve

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "graphsolve/status.hpp"
+#include "physics/mechanism.hpp"
+#include "physics/trajectory.hpp"
+
+namespace physics {
+
+struct SimulatorSettings {
+  double tolerance = 1e-8;  ///< natural residual at which a step is accepted [m/s]
+  std::optional<double> time_step;               ///< instead of the scene's [s]
+  std::optional<FrictionModel> friction_model;   ///< instead of the contacts' own
+  std::optional<Start> start;                    ///< instead of the scene's
+  bool merge_fixed_joints = true;  ///< bodies held by a fixed joint become one (false: keep the joint force)
+  bool cull_contacts = true;       ///< leave out contacts that cannot be reached in this step
+  int max_substeps = 16;           ///< a step that fails is tried again in 2, 4, ... up to this many
+};
+
+/// CPU time of the phases of all steps so far [s].
+struct PhaseTimes {
+  double prepare = 0;     ///< loads, culling, friction basis, start values
+  double evaluate = 0;    ///< residuals, Jacobians, condensation
+  double factorize = 0;
+  double solve = 0;
+  double finish = 0;      ///< culling check, new state
+  [[nodiscard]] double total() const { return prepare + evaluate + factorize + solve + finish; }
+};
+
+/// What exists for the solver, and what was left out because the scene does not need it.
+struct ProblemSize {
+  int body_nodes = 0, joint_nodes = 0, rows = 0;
+  int islands = 0;
+  int merged_bodies = 0;           ///< bodies that became part of another by a fixed joint
+  int frictionless_contacts = 0;   ///< contacts without friction unknowns
+  long long culled_contacts = 0;   ///< contact-steps left out as out of reach, summed over all steps
+  long long contact_steps = 0;     ///< contact-steps in all
+  long long newton_steps = 0;      ///< steps without any contact: no interior point
+  long long operations = 0;        ///< multiplications and divisions of one factorization, predicted
+  long long fill_blocks = 0;
+  long long stored_scalars = 0;
+};
+
+/// Outcome of one step. On failure the state is the one before the step.
+struct StepResult {
+  graphsolve::Status status = graphsolve::Status::solved;
+  std::string_view cause;  ///< one sentence with advice, static storage; empty when solved
+  int iterations = 0;      ///< Newton iterations of all substeps
+  double residual = 0;     ///< natural residual at the end [m/s]
+  int substeps = 1;
+  int restarts = 0;        ///< cold restarts and relaxations that were needed
+  bool new_force_direction = false;
+  int culling_repeats = 0;  ///< times a culled contact had to be put back
+  [[nodiscard]] bool ok() const { return status == graphsolve::Status::solved; }
+};
+
+/// Rigid bodies in maximal coordinates, stepped by a variational integrator with exact contact (paper, eq. 24).
+/// Building one allocates everything; `step` allocates nothing.
+class Simulator {
+ public:
+  /// Throws DescriptionError when the scene is wrong.
+  explicit Simulator(Mechanism mechanism, const SimulatorSettings& settings = {});
+  ~Simulator();
+  Simulator(Simulator&&) noexcept;
+  Simulator& operator=(Simulator&&) noexcept;
+
+  /// Advances by one time step, or reports why not and keeps the state.
+  [[nodiscard]] StepResult step();
+
+  /// Continues from a record of this scene (always `standard`).
+  void restart_from(const StepRecord& record);
+
+  /// Fills a record of the present state; for record 0 forces are zero.
+  void write_record(StepRecord& record) const;
+
+  [[nodiscard]] int step_index() const;
+  [[nodiscard]] double time() const;
+  [[nodiscard]] double time_step() const;
+  [[nodiscard]] const Mechanism& mechanism() const;
+
+  // Figures of the present state, without allocation.
+  [[nodiscard]] double smallest_distance() const;     ///< over all contacts [m]; +inf without any
+  [[nodiscard]] double largest_joint_error() const;   ///< [m, rad]
+  /// Energy at the previous pose: mean of the kinetic energies of the two steps around it, plus potential [J].
+  [[nodiscard]] double energy() const;
+  [[nodiscard]] Vec3 linear_momentum() const;   ///< [N s]
+  [[nodiscard]] Vec3 angular_momentum() const;  ///< about the world origin [N m s]
+  /// Correction that made the start velocities agree with the joints [m/s]; 0 when they did.
+  [[nodiscard]] double start_correction() const;
+
+  [[nodiscard]] const PhaseTimes& phase_times() const;
+  [[nodiscard]] const ProblemSize& problem_size() const;
+  /// Groups of joint rows that over-constrain the mechanism at the present pose:
+  /// "joints 'a', 'b', 'c' over-constrain the mechanism by 3".
+  [[nodiscard]] std::vector<std::string> redundancies() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace physics
