@@ -116,23 +116,42 @@ void InteriorPoint::judge() {
 
 void InteriorPoint::judge_component(int c) {
   reports_[c].residual = error_[c];
-  if (!std::isfinite(error_[c])) {
+  if (!std::isfinite(error_[c]) && !good_[c]) {
     trouble_[c] = Status::not_finite;
     return;
   }
   if (trouble_[c] != Status::solved) return;
-  if (error_[c] <= tolerance_[c] && product_[c] <= settings_.largest_product * scale_[c]) {
-    if (phase_[c] == Phase::frozen) {
-      refreeze(c);
-      return;
-    }
-    reports_[c].status = Status::solved;
-    attempt_iterations_[c] = -1;
+  if (good_[c] && !(error_[c] <= tolerance_[c])) {
+    undo(c);
+    end(c);
     return;
   }
+  if (error_[c] <= tolerance_[c] && product_[c] <= settings_.largest_product * scale_[c]) {
+    end(c);
+    return;
+  }
+  good_[c] = error_[c] <= tolerance_[c];
+  good_error_[c] = error_[c];
   if (degree_[c] == 0 && backtrack(c)) return;
   if (attempt_iterations_[c] >= settings_.max_iterations) trouble_[c] = Status::max_iterations;
   else if (short_steps_[c] >= 3) trouble_[c] = alpha_[c] < 0 ? Status::step_bound : Status::stalled;
+}
+
+/// The last step only polished the products s z and made the residual worse: forces that are not unique amplify
+/// rounding errors by the stiffness of their pairs. The point before it was a solution.
+void InteriorPoint::undo(int c) {
+  const double step = alpha_[c];
+  alpha_[c] = -step;
+  const auto ports = problem_.ports();
+  for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->accept(of_component(port_lists_[b], c), alpha_);
+  each_row(c, [&](int i) { x_[i] -= step * dx_[i]; });
+  reports_[c].residual = good_error_[c];
+}
+
+/// The present phase of a component is solved.
+void InteriorPoint::end(int c) {
+  if (phase_[c] == Phase::frozen) refreeze(c);
+  else attempt_iterations_[c] = -1;
 }
 
 /// Newton far from the solution: halve the last step while it made the residual larger.

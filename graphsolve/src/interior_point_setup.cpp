@@ -31,11 +31,12 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   for (auto* v : {&x_, &start_, &dx_, &residual_}) v->assign(s.rows(), 0.0);
   row_scale_.assign(problem_.row_scale().begin(), problem_.row_scale().end());
   for (auto* v : {&error_, &previous_error_, &product_, &mu_, &mu_floor_, &alpha_, &ratio_, &sum_, &correction_, &scale_,
-                  &tolerance_, &change_})
+                  &tolerance_, &change_, &good_error_})
     v->assign(components, 0.0);
   for (auto* v : {&degree_, &attempt_iterations_, &short_steps_, &halvings_, &freezes_}) v->assign(components, 0);
   trouble_.assign(components, Status::solved);
   phase_.assign(components, Phase::full);
+  good_.assign(components, 0);
   reports_.resize(components);
   running_.reserve(components);
   keep_running_.reserve(components);
@@ -87,6 +88,7 @@ void InteriorPoint::begin(std::span<const double> x, double force_factor, std::s
     reports_[c] = {};
     trouble_[c] = Status::solved;
     phase_[c] = Phase::full;
+    good_[c] = 0;
     attempt_iterations_[c] = short_steps_[c] = halvings_[c] = freezes_[c] = degree_[c] = 0;
     previous_error_[c] = scale_[c] = 0;
     tolerance_[c] = noise.empty() ? settings_.tolerance : std::max(settings_.tolerance, noise[c]);
@@ -164,6 +166,7 @@ void InteriorPoint::next_attempt(int c) {
   each_row(c, [&](int i) { x_[i] = start_[i]; });
   attempt_iterations_[c] = short_steps_[c] = halvings_[c] = freezes_[c] = 0;
   phase_[c] = Phase::full;
+  good_[c] = 0;
   const int attempt = ++reports_[c].attempts;
   restart_cold(c, attempt == 3 ? 0.01 : 1.0);
   if (attempt == 4) {
@@ -180,6 +183,7 @@ void InteriorPoint::refreeze(int c) {
   const double damping = freezes_[c] < 8 ? 1.0 : 0.5;
   for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->relax(of_component(port_lists_[b], c), damping, change_);
   attempt_iterations_[c] = short_steps_[c] = 0;
+  good_[c] = 0;
   restarted_ = true;
   if (change_[c] < 1e-6 || ++freezes_[c] > most_freezes) {
     phase_[c] = Phase::polish;

@@ -83,6 +83,8 @@ class InteriorPoint {
   void set_default_scales();
   void judge();
   void judge_component(int component);
+  void undo(int component);
+  void end(int component);
   bool backtrack(int component);
   void next_attempt(int component);
   void refreeze(int component);
@@ -103,10 +105,11 @@ class InteriorPoint {
   // By component.
   std::vector<ComponentReport> reports_;
   std::vector<double> error_, previous_error_, product_, mu_, mu_floor_, alpha_, ratio_, sum_, correction_, scale_,
-      tolerance_, change_;
+      tolerance_, change_, good_error_;
   std::vector<int> degree_, attempt_iterations_, short_steps_, halvings_, freezes_;
   std::vector<Status> trouble_;  ///< why the present attempt has to end; solved: it need not
   std::vector<Phase> phase_;
+  std::vector<char> good_;  ///< the point before the last step was a solution, but for its products
   bool restarted_ = false;
   bool scales_known_ = false;
   Profile* profile_ = nullptr;

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <vector>
+
+#include "assembly.hpp"
+#include "graphsolve/term.hpp"
+#include "physics/geometry.hpp"
+
+namespace physics {
+
+/// A body's configuration, and how its rotation answers to the velocity: d theta = dt turn dw.
+struct Pose {
+  Vec3 x = Vec3::Zero();
+  Quat q = Quat::Identity();
+  Mat3 rotation = Mat3::Identity();
+  Mat3 turn = Mat3::Identity();
+};
+
+/// The dynamics of all bodies, 6 rows each (eq. 12a without forces):
+///   m v' - (m v + dt (m g + F)),   p+(w') - (p-(w) + dt tau).
+/// The one owner of the poses during a step: `now` is z_{k+1}, known; `next` is z_{k+2} at the present iterate,
+/// and joints and contacts read it there.
+class Bodies final : public graphsolve::Term {
+ public:
+  static constexpr double largest_turn = 1.98;  ///< bound on |w| dt
+
+  void add(const RigidBody& body, graphsolve::NodeId node) {
+    mass.push_back(body.mass);
+    inertia.push_back(body.inertia);
+    node_.push_back(node);
+    row.push_back(-1);
+    now.emplace_back();
+    next.emplace_back();
+    known_linear.emplace_back(Vec3::Zero());
+    known_angular.emplace_back(Vec3::Zero());
+  }
+
+  // By body.
+  std::vector<double> mass;
+  std::vector<Mat3> inertia;
+  std::vector<Pose> now, next;
+  std::vector<Vec3> known_linear, known_angular;  ///< momentum before the step plus impulse of loads
+  std::vector<int> row;                           ///< of the velocity (v', w') among the unknowns
+  double dt = 0;
+  bool force_at_next = false;  ///< directions of constraint forces are taken at `next` instead of `now`
+
+  /// The world's pose, for joints; never changes.
+  Pose world_pose;
+  [[nodiscard]] const Pose& pose_now(int body) const { return body < 0 ? world_pose : now[body]; }
+  [[nodiscard]] const Pose& pose_next(int body) const { return body < 0 ? world_pose : next[body]; }
+  [[nodiscard]] graphsolve::NodeId node(int body) const { return node_[body]; }
+
+  [[nodiscard]] int size() const override { return static_cast<int>(node_.size()); }
+  [[nodiscard]] std::span<const graphsolve::NodeId> nodes(int i) const override { return {&node_[i], 1}; }
+  void wire(const graphsolve::Wiring& wiring) override;
+  void evaluate(graphsolve::Instances instances, std::span<const double> x, std::span<double> residual,
+                double* values) override;
+  void bound_step(graphsolve::Instances instances, std::span<const double> x, std::span<const double> dx,
+                  std::span<double> alpha) const override;
+
+ private:
+  std::vector<graphsolve::NodeId> node_;
+  std::vector<graphsolve::BlockHandle> block_;
+};
+
+}  // namespace physics

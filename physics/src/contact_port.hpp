@@ -1,0 +1,124 @@
+#pragma once
+
+#include <array>
+
+#include "bodies.hpp"
+#include "graphsolve/term.hpp"
+
+namespace physics {
+
+/// A contact point of one body against a plane, `rows` = 1 (normal) or 3 (normal, t1, t2):
+///   u_n = phi(z_{k+2}) / dt,  phi = n . (x + R p - o) - radius            (eq. 14, 24f)
+///   u_t = t . (v' + R1 (w' x p')),  p' the contact point at z_{k+1}       (eq. 24c)
+/// Forces act along n, t1, t2 at z_{k+1}: J1 = [n^T, (p' x R1^T n)^T] and so on.
+template <int Rows>
+class ContactPort {
+ public:
+  static constexpr int rows = Rows;
+  static constexpr int node_count = 1;
+  std::array<graphsolve::NodeId, 1> nodes;
+
+  ContactPort(Bodies& bodies, int body, const Vec3& point, const Vec3& normal, double offset, double radius)
+      : nodes{bodies.node(body)}, bodies_(&bodies), body_(body), point_(point), radius_(radius), offset_(offset) {
+    normal_ = normal;
+  }
+
+  void wire(const graphsolve::Wiring& wiring) {
+    row_ = wiring.row(nodes[0]);
+    offset_in_values_ = wiring.block(nodes[0], nodes[0]).offset;
+  }
+
+  /// Signed distance at a pose [m].
+  [[nodiscard]] double distance(const Pose& pose) const {
+    return normal_.dot(pose.x + pose.rotation * point_) - offset_ - radius_;
+  }
+  [[nodiscard]] int body() const { return body_; }
+  [[nodiscard]] const Vec3& normal() const { return normal_; }
+  [[nodiscard]] const Vec3& tangent1() const { return tangent_[0]; }
+  [[nodiscard]] const Vec3& tangent2() const { return tangent_[1]; }
+  /// t1 has to be a unit vector normal to n; t2 = n x t1.
+  void set_tangent(const Vec3& t1) {
+    tangent_[0] = t1;
+    tangent_[1] = normal_.cross(t1);
+  }
+  [[nodiscard]] Vec3 contact_point(const Pose& pose) const {  ///< body frame, lowest point of the sphere
+    return point_ - radius_ * (pose.rotation.transpose() * normal_);
+  }
+
+  /// Before a step: force directions at `now`.
+  void prepare() { set_directions(bodies_->now[body_]); }
+
+  void evaluate(std::span<const double> x, double* u) {
+    const Pose& next = bodies_->next[body_];
+    if (bodies_->force_at_next) set_directions(next);
+    const Vec3 local = next.rotation.transpose() * normal_;
+    rate_normal_.noalias() = next.turn.transpose() * point_.cross(local);
+    u[0] = (normal_.dot(next.x) + local.dot(point_) - offset_ - radius_) / bodies_->dt;
+    if constexpr (rows == 3) {
+      const Eigen::Map<const Vec3> v(x.data() + row_), w(x.data() + row_ + 3);
+      u[1] = tangent_[0].dot(v) + lever_[1].dot(w);
+      u[2] = tangent_[1].dot(v) + lever_[2].dot(w);
+    }
+  }
+  void add_force(const double* f, double* residual, double sign) const {
+    Vec3 force = normal_ * (sign * f[0]), torque = lever_[0] * (sign * f[0]);
+    if constexpr (rows == 3) {
+      force += tangent_[0] * (sign * f[1]) + tangent_[1] * (sign * f[2]);
+      torque += lever_[1] * (sign * f[1]) + lever_[2] * (sign * f[2]);
+    }
+    Eigen::Map<Vec3>(residual + row_) += force;
+    Eigen::Map<Vec3>(residual + row_ + 3) += torque;
+  }
+  void rate(const double* dx, double* du) const {
+    const Eigen::Map<const Vec3> v(dx + row_), w(dx + row_ + 3);
+    du[0] = normal_.dot(v) + rate_normal_.dot(w);
+    if constexpr (rows == 3) {
+      du[1] = tangent_[0].dot(v) + lever_[1].dot(w);
+      du[2] = tangent_[1].dot(v) + lever_[2].dot(w);
+    }
+  }
+  void add_condensed(const double* k, double* values) const {
+    double* block = values + offset_in_values_;
+    double across[6][rows], force[6][rows];
+    for (int c = 0; c < 3; ++c) {
+      across[c][0] = force[c][0] = normal_[c];
+      across[c + 3][0] = rate_normal_[c];
+      force[c + 3][0] = lever_[0][c];
+      for (int r = 1; r < rows; ++r) {
+        across[c][r] = force[c][r] = tangent_[r - 1][c];
+        across[c + 3][r] = force[c + 3][r] = lever_[r][c];
+      }
+    }
+    for (int c = 0; c < 6; ++c) {
+      double kj[rows];
+      for (int r = 0; r < rows; ++r) {
+        kj[r] = 0;
+        for (int s = 0; s < rows; ++s) kj[r] += k[s * rows + r] * across[c][s];
+      }
+      for (int i = 0; i < 6; ++i) {
+        double sum = 0;
+        for (int r = 0; r < rows; ++r) sum += force[i][r] * kj[r];
+        block[c * 6 + i] += sum;
+      }
+    }
+  }
+
+ private:
+  void set_directions(const Pose& pose) {
+    const Vec3 p = contact_point(pose);
+    lever_[0] = p.cross(pose.rotation.transpose() * normal_);
+    for (int r = 1; r < rows; ++r) lever_[r] = p.cross(pose.rotation.transpose() * tangent_[r - 1]);
+  }
+
+  Bodies* bodies_;
+  int body_;
+  int row_ = -1;
+  std::int64_t offset_in_values_ = -1;
+  Vec3 point_, normal_;
+  double radius_, offset_;  ///< offset = n . o
+  std::array<Vec3, 2> tangent_{Vec3::Zero(), Vec3::Zero()};
+  std::array<Vec3, 3> lever_{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  Vec3 rate_normal_ = Vec3::Zero();
+};
+
+}  // namespace physics

@@ -1,0 +1,270 @@
+#include "joints.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "motor.hpp"
+
+namespace physics {
+
+namespace {
+
+using RowBlock = Eigen::Map<Eigen::MatrixXd>;
+
+/// q_a^-1 q_b q_off^-1, on the half of the double cover that holds the identity.
+Quat relative_rotation(const JointGeometry& g, const Pose& a, const Pose& b) {
+  Quat e = a.q.conjugate() * b.q * g.orientation.conjugate();
+  if (e.w() < 0) e.coeffs() = -e.coeffs();
+  return e;
+}
+
+/// Two unit vectors that complete `axis` to a right-handed frame, as rows; the axis is the third row.
+Mat3 frame_about(const Vec3& axis) {
+  Mat3 frame;
+  frame.row(0) = axis.unitOrthogonal();
+  frame.row(1) = axis.cross(frame.row(0).transpose());
+  frame.row(2) = axis;
+  return frame;
+}
+
+}  // namespace
+
+int Joints::rows_of(const JointGeometry& geometry, const Motor* motor) {
+  switch (geometry.type) {
+    case JointType::fixed: return 6;
+    case JointType::spherical: return 3;
+    case JointType::revolute:
+    case JointType::prismatic: return motor ? 6 : 5;
+  }
+  return 0;
+}
+
+void Joints::add(const JointGeometry& geometry, const Motor* motor, graphsolve::NodeId node) {
+  Joint joint{};
+  joint.geometry = geometry;
+  joint.motor = motor;
+  joint.nodes[0] = node;
+  joint.node_count = 1;
+  if (geometry.child >= 0) joint.nodes[joint.node_count++] = bodies_.node(geometry.child);
+  if (geometry.parent >= 0) joint.nodes[joint.node_count++] = bodies_.node(geometry.parent);
+  joint.translation_rows = geometry.type == JointType::prismatic ? 2 : 3;
+  joint.rotation_rows = geometry.type == JointType::spherical ? 0 : geometry.type == JointType::revolute ? 2 : 3;
+  joint.rows = rows_of(geometry, motor);
+  const Mat3 frame = frame_about(geometry.axis);
+  joint.translation = geometry.type == JointType::prismatic ? frame : Mat3::Identity();
+  joint.rotation = geometry.type == JointType::revolute ? frame : Mat3::Identity();
+  joints_.push_back(joint);
+}
+
+void Joints::wire(const graphsolve::Wiring& wiring) {
+  for (Joint& joint : joints_) {
+    const auto own = joint.nodes[0];
+    joint.row = wiring.row(own);
+    joint.own = wiring.block(own, own);
+    const auto connect = [&](int body, int& row, graphsolve::BlockHandle& to, graphsolve::BlockHandle& from) {
+      if (body < 0) return;
+      row = wiring.row(bodies_.node(body));
+      to = wiring.block(own, bodies_.node(body));
+      from = wiring.block(bodies_.node(body), own);
+    };
+    connect(joint.geometry.parent, joint.parent_row, joint.to_parent, joint.from_parent);
+    connect(joint.geometry.child, joint.child_row, joint.to_child, joint.from_child);
+  }
+}
+
+void Joints::violation(const Joint& joint, const Pose& a, const Pose& b, double* g) const {
+  const JointGeometry& geometry = joint.geometry;
+  const Vec3 d = b.x + b.rotation * geometry.child_point - a.x - a.rotation * geometry.parent_point;
+  if (joint.translation_rows == 3) {
+    for (int i = 0; i < 3; ++i) g[i] = d[i];
+  } else {
+    const Vec3 local = a.rotation.transpose() * d;
+    for (int i = 0; i < joint.translation_rows; ++i) g[i] = joint.translation.row(i).dot(local);
+  }
+  if (joint.rotation_rows == 0) return;
+  const Quat e = relative_rotation(geometry, a, b);
+  for (int i = 0; i < joint.rotation_rows; ++i)
+    g[joint.translation_rows + i] = 2 * joint.rotation.row(i).dot(e.vec());
+}
+
+/// Derivatives by (x, theta) of either body over dt; with turn = I the force directions.
+void Joints::jacobian(const Joint& joint, const Pose& a, const Pose& b, Matrix6& parent, Matrix6& child) const {
+  const JointGeometry& g = joint.geometry;
+  const Mat3 child_lever = -b.rotation * skew(g.child_point);
+  const int nt = joint.translation_rows;
+  if (nt == 3) {
+    child.topLeftCorner<3, 3>().setIdentity();
+    child.topRightCorner<3, 3>().noalias() = child_lever * b.turn;
+    parent.topLeftCorner<3, 3>() = -Mat3::Identity();
+    parent.topRightCorner<3, 3>().noalias() = a.rotation * skew(g.parent_point) * a.turn;
+  } else {
+    const Mat3 local = joint.translation * a.rotation.transpose();
+    const Vec3 arm = a.rotation.transpose() * (b.x + b.rotation * g.child_point - a.x);
+    child.topLeftCorner(nt, 3) = local.topRows(nt);
+    child.topRightCorner(nt, 3) = (local * child_lever * b.turn).topRows(nt);
+    parent.topLeftCorner(nt, 3) = -local.topRows(nt);
+    parent.topRightCorner(nt, 3) = (joint.translation * skew(arm) * a.turn).topRows(nt);
+  }
+  const int nr = joint.rotation_rows;
+  if (nr > 0) {
+    // d(2 vec e) = (w I + [v]x) R_off theta_b = -(w I - [v]x) theta_a
+    const Quat e = relative_rotation(g, a, b);
+    const Mat3 v = skew(e.vec()), w = e.w() * Mat3::Identity();
+    const Mat3 by_child = joint.rotation * (w + v) * g.orientation.toRotationMatrix() * b.turn;
+    const Mat3 by_parent = -joint.rotation * (w - v) * a.turn;
+    child.block(nt, 0, nr, 3).setZero();
+    child.block(nt, 3, nr, 3) = by_child.topRows(nr);
+    parent.block(nt, 0, nr, 3).setZero();
+    parent.block(nt, 3, nr, 3) = by_parent.topRows(nr);
+  }
+  if (!joint.motor) return;
+  if (g.type == JointType::revolute) {
+    child.row(5).setZero();
+    child.row(5).tail<3>() = g.axis.transpose() * a.rotation.transpose() * b.rotation * b.turn;
+    parent.row(5).setZero();
+    parent.row(5).tail<3>() = -g.axis.transpose() * a.turn;
+  } else {
+    const Vec3 arm = a.rotation.transpose() * (b.x + b.rotation * g.child_point - a.x);
+    const Eigen::RowVector3d axis = g.axis.transpose() * a.rotation.transpose();
+    child.row(5).head<3>() = axis;
+    child.row(5).tail<3>() = axis * child_lever * b.turn;
+    parent.row(5).head<3>() = -axis;
+    parent.row(5).tail<3>() = g.axis.transpose() * skew(arm) * a.turn;
+  }
+}
+
+double Joints::coordinate(const Joint& joint, const Pose& a, const Pose& b) const {
+  const JointGeometry& g = joint.geometry;
+  if (g.type == JointType::prismatic)
+    return g.axis.dot(a.rotation.transpose() * (b.x + b.rotation * g.child_point - a.x) - g.parent_point);
+  const Quat e = relative_rotation(g, a, b);
+  return 2 * std::atan2(g.axis.dot(e.vec()), e.w());
+}
+
+double Joints::motor_residual(Joint& joint, double lambda, double& diagonal, bool& limited) {
+  const JointGeometry& g = joint.geometry;
+  const Motor& motor = *joint.motor;
+  const double dt = bodies_.dt;
+  const double raw = coordinate(joint, bodies_.pose_next(g.parent), bodies_.pose_next(g.child));
+  double change = raw - joint.coordinate;
+  if (g.type == JointType::revolute) change = std::remainder(change, 2 * std::numbers::pi);  // follow full turns
+  joint.next_coordinate = joint.coordinate + change;
+  const double wanted = motor.stiffness * (joint.target - joint.next_coordinate) - motor.damping * change / dt;
+  limited = !(std::abs(wanted) < motor.limit);
+  const double effort = limited ? std::copysign(motor.limit, wanted) : wanted;
+  diagonal = 1 / (dt * (motor.stiffness * dt + motor.damping));
+  return (lambda - dt * effort) * diagonal;
+}
+
+void Joints::prepare(double end_time) {
+  for (Joint& joint : joints_) {
+    const Pose &a = bodies_.pose_now(joint.geometry.parent), &b = bodies_.pose_now(joint.geometry.child);
+    jacobian(joint, a, b, joint.parent_force, joint.child_force);
+    joint.lever = b.rotation * joint.geometry.child_point;
+    if (joint.motor) joint.target = motor_target(*joint.motor, end_time);
+  }
+}
+
+void Joints::commit() {
+  for (Joint& joint : joints_) joint.coordinate = joint.next_coordinate;
+}
+
+void Joints::reset_coordinates() {
+  for (Joint& joint : joints_)
+    if (joint.motor)
+      joint.coordinate =
+          coordinate(joint, bodies_.pose_now(joint.geometry.parent), bodies_.pose_now(joint.geometry.child));
+}
+
+void Joints::evaluate(graphsolve::Instances instances, std::span<const double> x, std::span<double> residual,
+                      double* values) {
+  Matrix6 parent, child;
+  double g[6];
+  const double rate = 1 / bodies_.dt;
+  for (const int k : instances.index) {
+    Joint& joint = joints_[k];
+    const int n = joint.rows;
+    const Pose &a = bodies_.pose_next(joint.geometry.parent), &b = bodies_.pose_next(joint.geometry.child);
+    if (bodies_.force_at_next) {
+      Pose a_still = a, b_still = b;
+      a_still.turn = b_still.turn = Mat3::Identity();
+      jacobian(joint, a_still, b_still, joint.parent_force, joint.child_force);
+      joint.lever = b.rotation * joint.geometry.child_point;
+    }
+    violation(joint, a, b, g);
+    for (int i = 0; i < joint.translation_rows + joint.rotation_rows; ++i) residual[joint.row + i] += g[i] * rate;
+    double diagonal = 0;
+    bool limited = false;
+    if (joint.motor) residual[joint.row + 5] += motor_residual(joint, x[joint.row + 5], diagonal, limited);
+    const Eigen::Map<const Eigen::VectorXd> lambda(x.data() + joint.row, n);
+    const auto push = [&](int row, const Matrix6& force) {
+      for (int j = 0; j < 6; ++j) {
+        double sum = 0;
+        for (int i = 0; i < n; ++i) sum += force(i, j) * lambda[i];
+        residual[row + j] -= sum;
+      }
+    };
+    if (joint.child_row >= 0) push(joint.child_row, joint.child_force);
+    if (joint.parent_row >= 0) push(joint.parent_row, joint.parent_force);
+    if (!values) continue;
+    jacobian(joint, a, b, parent, child);
+    if (joint.motor) {
+      values[joint.own.offset + 5 * 6 + 5] += diagonal;
+      if (limited) parent.row(5).setZero(), child.row(5).setZero();
+    }
+    const auto write = [&](int row, const graphsolve::BlockHandle& to, const graphsolve::BlockHandle& from,
+                           const Matrix6& derivative, const Matrix6& force) {
+      if (row < 0) return;
+      double* down = values + to.offset;    // n x 6
+      double* across = values + from.offset;  // 6 x n
+      for (int j = 0; j < 6; ++j)
+        for (int i = 0; i < n; ++i) {
+          down[j * n + i] += derivative(i, j);
+          across[i * 6 + j] -= force(i, j);
+        }
+    };
+    write(joint.child_row, joint.to_child, joint.from_child, child, joint.child_force);
+    write(joint.parent_row, joint.to_parent, joint.from_parent, parent, joint.parent_force);
+  }
+}
+
+double Joints::error(int i, const Pose& parent, const Pose& child) const {
+  const Joint& joint = joints_[i];
+  double g[6], largest = 0;
+  violation(joint, parent, child, g);
+  for (int r = 0; r < joint.translation_rows + joint.rotation_rows; ++r) largest = std::max(largest, std::abs(g[r]));
+  return largest;
+}
+
+void Joints::impulse(int i, std::span<const double> x, Vec3& linear, Vec3& angular) const {
+  const Joint& joint = joints_[i];
+  const bool on_child = joint.geometry.child >= 0;
+  const Matrix6& force = on_child ? joint.child_force : joint.parent_force;
+  Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
+  for (int r = 0; r < joint.rows; ++r) wrench += force.row(r).transpose() * x[joint.row + r];
+  const int body = on_child ? joint.geometry.child : joint.geometry.parent;
+  const Pose& pose = bodies_.force_at_next ? bodies_.next[body] : bodies_.now[body];
+  linear = wrench.head<3>();
+  // From the body's centre to the child's joint point, which is where the force acts on either side.
+  const Vec3 arm = on_child ? joint.lever : Vec3(joint.geometry.child_point - pose.x);
+  angular = pose.rotation * wrench.tail<3>() - arm.cross(linear);
+  if (!on_child) linear = -linear, angular = -angular;
+}
+
+double Joints::motor_impulse(int i, std::span<const double> x) const { return x[joints_[i].row + 5]; }
+
+double Joints::opening_rate(int i, std::span<const double> x) const {
+  const Joint& joint = joints_[i];
+  double largest = 0;
+  for (int r = 0; r < joint.translation_rows + joint.rotation_rows; ++r) {
+    double rate = 0;
+    for (int j = 0; j < 6; ++j) {
+      if (joint.child_row >= 0) rate += joint.child_force(r, j) * x[joint.child_row + j];
+      if (joint.parent_row >= 0) rate += joint.parent_force(r, j) * x[joint.parent_row + j];
+    }
+    largest = std::max(largest, std::abs(rate));
+  }
+  return largest;
+}
+
+}  // namespace physics

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "bodies.hpp"
+
+namespace physics {
+
+/// Joints of all types, one saddle node each, made of parts:
+///   translation rows  T R_a^T d,  d = x_b + R_b p_b - x_a - R_a p_a   (spherical, revolute: d itself)
+///   rotation rows     locked components of 2 vec(q_a^-1 q_b q_off^-1)
+///   motor row         lambda - dt effort(z_{k+2}), over its slope
+/// Constraints hold at z_{k+2}, divided by dt; forces act along the directions at z_{k+1} (eq. 12, 24b).
+/// Multipliers are impulses. A motor adds a row, not a coupling, so it makes no fill.
+class Joints final : public graphsolve::Term {
+ public:
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+  explicit Joints(Bodies& bodies) : bodies_(bodies) {}
+
+  /// Rows that a joint of this geometry has.
+  static int rows_of(const JointGeometry& geometry, const Motor* motor);
+  void add(const JointGeometry& geometry, const Motor* motor, graphsolve::NodeId node);
+
+  /// Before a step: force directions at `now`, motor state. end_time: of the step [s].
+  void prepare(double end_time);
+  /// After a step that is kept: remembers the motors' coordinates.
+  void commit();
+  /// Sets the motors' coordinates from the poses `now`.
+  void reset_coordinates();
+
+  [[nodiscard]] int size() const override { return static_cast<int>(joints_.size()); }
+  [[nodiscard]] std::span<const graphsolve::NodeId> nodes(int i) const override {
+    return {joints_[i].nodes.data(), static_cast<std::size_t>(joints_[i].node_count)};
+  }
+  void wire(const graphsolve::Wiring& wiring) override;
+  void evaluate(graphsolve::Instances instances, std::span<const double> x, std::span<double> residual,
+                double* values) override;
+
+  [[nodiscard]] const JointGeometry& geometry(int i) const { return joints_[i].geometry; }
+  [[nodiscard]] int row(int i) const { return joints_[i].row; }
+  [[nodiscard]] int rows(int i) const { return joints_[i].rows; }
+  [[nodiscard]] bool has_motor(int i) const { return joints_[i].motor != nullptr; }
+  [[nodiscard]] int translation_rows(int i) const { return joints_[i].translation_rows; }
+  [[nodiscard]] int rotation_rows(int i) const { return joints_[i].rotation_rows; }
+  /// Largest constraint violation between two poses [m, rad].
+  [[nodiscard]] double error(int i, const Pose& parent, const Pose& child) const;
+  /// Impulse on the child, world frame, and angular impulse about its joint point, from the multipliers.
+  void impulse(int i, std::span<const double> x, Vec3& linear, Vec3& angular) const;
+  [[nodiscard]] double motor_impulse(int i, std::span<const double> x) const;
+  /// Joint rows times given velocities at `now`: how fast the start opens the joint [m/s, rad/s].
+  [[nodiscard]] double opening_rate(int i, std::span<const double> x) const;
+
+ private:
+  struct Joint {
+    JointGeometry geometry;
+    const Motor* motor;
+    std::array<graphsolve::NodeId, 3> nodes;  ///< own, child or parent, parent
+    int node_count;
+    int translation_rows, rotation_rows, rows;
+    Eigen::Matrix<double, 3, 3> translation, rotation;  ///< locked axes as rows, parent frame
+    int row = -1, parent_row = -1, child_row = -1;
+    graphsolve::BlockHandle own, to_parent, to_child, from_parent, from_child;
+    Matrix6 parent_force, child_force;  ///< force directions, rows x 6
+    double coordinate = 0;              ///< of the motor at `now`
+    double next_coordinate = 0;
+    double target = 0;
+    Vec3 lever = Vec3::Zero();  ///< child's joint point from its centre, world, where the force acted
+  };
+
+  void violation(const Joint& joint, const Pose& a, const Pose& b, double* g) const;
+  void jacobian(const Joint& joint, const Pose& a, const Pose& b, Matrix6& parent, Matrix6& child) const;
+  double coordinate(const Joint& joint, const Pose& a, const Pose& b) const;
+  /// Residual of the motor row; fills its diagonal entry and tells whether the effort is at its limit.
+  double motor_residual(Joint& joint, double lambda, double& diagonal, bool& limited);
+
+  Bodies& bodies_;
+  std::vector<Joint> joints_;
+};
+
+}  // namespace physics

@@ -1,0 +1,281 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <type_traits>
+#include <vector>
+
+#include "graphsolve/pair.hpp"
+
+namespace physics {
+
+/// Bound on the stiffness z/s of a contact pair in the matrix, over the mass of its body [1]. Higher ones erase the
+/// inertia they are added to (rounding error 2e-16 of it against the smallest moment); lower ones slow down the
+/// last iterations, which gain a factor of it.
+inline constexpr double largest_stiffness = 1e10;
+
+/// Contact with pyramidal Coulomb friction (eq. 15, 20 with slacks, 26c-i), rows n, t1, t2.
+/// Pairs (velocity s, impulse z): (s_g, gamma), (eta_i, beta_i) for each facet, (psi, s_psi).
+///   r0 = u_n - s_g,   r_i = d_i . u_t + psi - eta_i,   r5 = cf gamma - sum beta - s_psi
+/// Facets d_i = (cos, sin)(2 pi i / Facets) in (t1, t2). Facets = 0: the number is given at run time.
+/// Condensed as in docs/algorithm.md: with w = z/s of each pair, q = s_psi/psi, S = q + sum w_i,
+///   K_nn = w_0,  K_tn = cf w_0 sum w_i d_i / S,
+///   K_tt = (q sum w_i d_i d_i^T + sum_{i<j} w_i w_j (d_i - d_j)(d_i - d_j)^T) / S,
+/// forms that do not cancel.
+template <int Facets>
+class PyramidLaw {
+ public:
+  static constexpr int rows = 3;
+
+  /// island_mass: largest mass of what hangs together [kg]; body_mass: of the touching body [kg].
+  PyramidLaw(double friction, double island_mass, double body_mass, int facets = Facets)
+      : friction_(friction), scale_(island_mass), largest_ratio_(largest_stiffness * body_mass) {
+    if constexpr (Facets == 0) {
+      facet_.resize(facets);
+      direction_.resize(facets);
+      for (auto* v : {&ratio_, &residual_, &shift_, &defect_}) v->resize(facets);
+    }
+    for (int i = 0; i < facets; ++i) {
+      const double angle = 2 * std::numbers::pi * i / facets;
+      direction_[i] = {std::cos(angle), std::sin(angle)};
+    }
+  }
+
+  [[nodiscard]] int facets() const { return static_cast<int>(facet_.size()); }
+  [[nodiscard]] int degree() const { return facets() + 2; }
+  [[nodiscard]] double scale() const { return scale_; }
+  [[nodiscard]] double normal_impulse() const { return normal_.z; }
+  [[nodiscard]] double friction_bound() const { return friction_ * normal_.z; }  ///< cf gamma
+  [[nodiscard]] double facet_impulse(int i) const { return facet_[i].z; }
+  void friction_impulse(double* t) const {
+    t[0] = t[1] = 0;
+    for (int i = 0; i < facets(); ++i) {
+      t[0] += facet_[i].z * direction(i)[0];
+      t[1] += facet_[i].z * direction(i)[1];
+    }
+  }
+
+  /// Forgets the forces of earlier steps.
+  void clear() {
+    normal_.z = bound_.z = 0;
+    for (auto& f : facet_) f.z = 0;
+  }
+  /// After the tangents have turned: the same friction impulse, given in the new ones, on the nearest facets.
+  void split_friction(const double* t) {
+    const double least = 1e-9 * scale_;
+    double sum = 0;
+    for (int i = 0; i < facets(); ++i) {
+      const double along = t[0] * direction(i)[0] + t[1] * direction(i)[1];
+      facet_[i].z = std::max(along * 4 / facets(), least);  // sum over facets of d d^T = facets / 2
+      sum += facet_[i].z;
+    }
+    bound_.z = std::max(friction_ * normal_.z - sum, least);
+  }
+
+  void remember(double factor) {
+    normal_.remember(1, factor);
+    bound_.remember(1, factor);
+    for (auto& f : facet_) f.remember(1, factor);
+  }
+  void restore() {
+    normal_.restore();
+    bound_.restore();
+    for (auto& f : facet_) f.restore();
+  }
+  void start_warm(const double* u, double mu, double m) {
+    double psi = 0;
+    for (int i = 0; i < facets(); ++i) psi = std::max(psi, -slip(i, u));
+    normal_.start_warm(u[0], mu, m);
+    for (int i = 0; i < facets(); ++i) facet_[i].start_warm(slip(i, u) + psi, mu, m);
+    bound_.start_warm(psi, mu, m);
+  }
+  void start_cold(double velocity, double m) {
+    const auto start = [&](graphsolve::Pair& p) {
+      p.s = velocity;
+      p.z = m * velocity;
+    };
+    start(normal_);
+    start(bound_);
+    for (auto& f : facet_) start(f);
+  }
+
+  void residual(const double* u, double* f) {
+    normal_residual_ = u[0] - normal_.s;
+    double sum = 0;
+    f[0] = normal_.z;
+    f[1] = f[2] = 0;
+    for (int i = 0; i < facets(); ++i) {
+      const double z = facet_[i].z;
+      residual_[i] = slip(i, u) + bound_.s - facet_[i].s;
+      f[1] += z * direction(i)[0];
+      f[2] += z * direction(i)[1];
+      sum += z;
+    }
+    bound_residual_ = (frozen_ ? frozen_bound_ : friction_ * normal_.z) - sum - bound_.z;
+  }
+  [[nodiscard]] double natural_error(double m) const {
+    double largest = std::abs(normal_residual_);
+    const auto take = [&](double e) {
+      if (!(e <= largest)) largest = e;  // a NaN must stay
+    };
+    take(std::abs(bound_residual_) / m);
+    take(std::min(normal_.s, normal_.z / m));
+    take(std::min(bound_.s, bound_.z / m));
+    for (int i = 0; i < facets(); ++i) {
+      take(std::abs(residual_[i]));
+      take(std::min(facet_[i].s, facet_[i].z / m));
+    }
+    return largest;
+  }
+  [[nodiscard]] double largest_product() const {
+    double largest = std::max(normal_.s * normal_.z, bound_.s * bound_.z);
+    for (const auto& f : facet_) largest = std::max(largest, f.s * f.z);
+    return largest;
+  }
+
+  void condense(double* k) {
+    const auto capped = [this](const graphsolve::Pair& p) { return std::min(p.z / p.s, largest_ratio_); };
+    normal_ratio_ = capped(normal_);
+    bound_ratio_ = capped(bound_);
+    double sum = bound_ratio_, along[2] = {0, 0};
+    for (int i = 0; i < facets(); ++i) {
+      const double w = capped(facet_[i]);
+      ratio_[i] = w;
+      sum += w;
+      along[0] += w * direction(i)[0];
+      along[1] += w * direction(i)[1];
+    }
+    one_over_sum_ = 1 / sum;
+    const double coupling = (frozen_ ? 0 : friction_) * normal_ratio_ * one_over_sum_;
+    double k11, k12, k22;
+    tangential(k11, k12, k22);
+    k[0] = normal_ratio_;
+    k[1] = coupling * along[0];
+    k[2] = coupling * along[1];
+    k[3] = 0;
+    k[4] = k11;
+    k[5] = k12;
+    k[6] = 0;
+    k[7] = k12;
+    k[8] = k22;
+  }
+
+  void right_hand_side(double mu, double correction, double* f0) {
+    normal_defect_ = normal_.defect(mu, correction);
+    bound_defect_ = bound_.defect(mu, correction);
+    normal_shift_ = normal_residual_ + normal_defect_ / normal_.z;
+    double sum = -(bound_residual_ + bound_defect_ / bound_.s) + (frozen_ ? 0 : friction_) * normal_ratio_ * normal_shift_;
+    for (int i = 0; i < facets(); ++i) {
+      defect_[i] = facet_[i].defect(mu, correction);
+      shift_[i] = residual_[i] + defect_[i] / facet_[i].z;
+      sum -= ratio_[i] * shift_[i];
+    }
+    psi_shift_ = sum * one_over_sum_;
+    f0[0] = -normal_ratio_ * normal_shift_;
+    f0[1] = f0[2] = 0;
+    for (int i = 0; i < facets(); ++i) {
+      const double f = ratio_[i] * (shift_[i] + psi_shift_);
+      f0[1] -= f * direction(i)[0];
+      f0[2] -= f * direction(i)[1];
+    }
+  }
+  void recover(const double* du) {
+    double psi = (frozen_ ? 0 : friction_) * normal_ratio_ * du[0];
+    for (int i = 0; i < facets(); ++i) psi -= ratio_[i] * slip(i, du);
+    psi = psi_shift_ + psi * one_over_sum_;
+    normal_.dz = -normal_ratio_ * (du[0] + normal_shift_);
+    normal_.ds = -(normal_defect_ + normal_.s * normal_.dz) / normal_.z;
+    bound_.ds = psi;
+    bound_.dz = -(bound_defect_ + bound_.z * psi) / bound_.s;
+    for (int i = 0; i < facets(); ++i) {
+      auto& f = facet_[i];
+      f.dz = -ratio_[i] * (slip(i, du) + psi + shift_[i]);
+      f.ds = -(defect_[i] + f.s * f.dz) / f.z;
+    }
+  }
+  [[nodiscard]] double boundary_ratio() const {
+    double largest = std::max(normal_.boundary_ratio(), bound_.boundary_ratio());
+    for (const auto& f : facet_) {
+      const double r = f.boundary_ratio();
+      if (!(r <= largest)) largest = r;
+    }
+    return largest;
+  }
+  [[nodiscard]] double complementarity(double alpha) const {
+    double sum = normal_.product(alpha) + bound_.product(alpha);
+    for (const auto& f : facet_) sum += f.product(alpha);
+    return sum;
+  }
+  void accept(double alpha) {
+    normal_.accept(alpha);
+    bound_.accept(alpha);
+    for (auto& f : facet_) f.accept(alpha);
+  }
+  /// The friction bound cf gamma is what makes the problem non-monotone: frozen, it is a convex one.
+  double relax(double damping) {
+    if (damping == 0) {
+      frozen_ = false;
+      return 0;
+    }
+    const double bound = friction_ * normal_.z;
+    if (!frozen_) frozen_bound_ = bound;
+    frozen_ = true;
+    const double change = std::abs(bound - frozen_bound_) / scale_;
+    frozen_bound_ += damping * (bound - frozen_bound_);
+    return change;
+  }
+
+ private:
+  template <class T>
+  using Array = std::conditional_t<Facets == 0, std::vector<T>, std::array<T, (Facets > 0 ? Facets : 1)>>;
+
+  [[nodiscard]] const std::array<double, 2>& direction(int i) const {
+    if constexpr (Facets == 4) return cross_[i];
+    else return direction_[i];
+  }
+  [[nodiscard]] double slip(int i, const double* u) const { return direction(i)[0] * u[1] + direction(i)[1] * u[2]; }
+  double& facet_residual(int i) { return shift_[i]; }
+
+  /// K_tt. For the axis-aligned cross the pairwise sum is short.
+  void tangential(double& k11, double& k12, double& k22) const {
+    const double q = bound_ratio_;
+    if constexpr (Facets == 4) {
+      const double w1 = ratio_[0], w2 = ratio_[2], w3 = ratio_[1], w4 = ratio_[3];
+      const double p1 = w1 + w2, p2 = w3 + w4;
+      k11 = (p1 * (q + p2) + 4 * w1 * w2) * one_over_sum_;
+      k12 = -(w1 - w2) * (w3 - w4) * one_over_sum_;
+      k22 = (p2 * (q + p1) + 4 * w3 * w4) * one_over_sum_;
+    } else {
+      k11 = k12 = k22 = 0;
+      for (int i = 0; i < facets(); ++i) {
+        const auto& a = direction_[i];
+        k11 += q * ratio_[i] * a[0] * a[0];
+        k12 += q * ratio_[i] * a[0] * a[1];
+        k22 += q * ratio_[i] * a[1] * a[1];
+        for (int j = 0; j < i; ++j) {
+          const double x = a[0] - direction_[j][0], y = a[1] - direction_[j][1], w = ratio_[i] * ratio_[j];
+          k11 += w * x * x;
+          k12 += w * x * y;
+          k22 += w * y * y;
+        }
+      }
+      k11 *= one_over_sum_;
+      k12 *= one_over_sum_;
+      k22 *= one_over_sum_;
+    }
+  }
+
+  static constexpr std::array<std::array<double, 2>, 4> cross_{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
+  graphsolve::Pair normal_, bound_;
+  Array<graphsolve::Pair> facet_;
+  Array<double> ratio_, residual_, shift_, defect_;
+  Array<std::array<double, 2>> direction_;
+  double friction_, scale_, largest_ratio_;
+  double normal_residual_ = 0, bound_residual_ = 0, normal_ratio_ = 0, bound_ratio_ = 0, one_over_sum_ = 0;
+  double normal_defect_ = 0, bound_defect_ = 0, normal_shift_ = 0, psi_shift_ = 0;
+  double frozen_bound_ = 0;
+  bool frozen_ = false;
+};
+
+}  // namespace physics
