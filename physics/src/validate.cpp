@@ -1,0 +1,253 @@
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <string_view>
+#include <unordered_set>
+
+#include "physics/mechanism.hpp"
+
+/// Every error is one sentence: the thing, the key, the value, and where it helps, what would do.
+namespace physics {
+
+namespace {
+
+constexpr double unit_tolerance = 1e-6;      ///< vectors and quaternions this near to unit are normalised
+constexpr double inertia_tolerance = 1e-9;   ///< relative; a flat disc lies on the triangle inequality
+constexpr double largest_turn = 1.9;         ///< |w| dt; the update of a quaternion ends at 2
+
+template <class... Arguments>
+[[noreturn]] void fail(fmt::format_string<Arguments...> text, Arguments&&... arguments) {
+  throw DescriptionError(fmt::format(text, std::forward<Arguments>(arguments)...));
+}
+
+std::string text(const Vec3& v) { return fmt::format("({:g}, {:g}, {:g})", v.x(), v.y(), v.z()); }
+
+void check_finite(std::string_view thing, std::string_view key, double value) {
+  if (!std::isfinite(value)) fail("{}: {} {} is not finite", thing, key, value);
+}
+void check_finite(std::string_view thing, std::string_view key, const Vec3& value) {
+  if (!value.allFinite()) fail("{}: {} {} is not finite", thing, key, text(value));
+}
+void check_positive(std::string_view thing, std::string_view key, double value, std::string_view unit) {
+  if (!(value > 0)) fail("{}: {} {} {} is not > 0", thing, key, value, unit);
+  if (std::isinf(value)) fail("{}: {} {} {} is not finite", thing, key, value, unit);
+}
+void check_not_negative(std::string_view thing, std::string_view key, double value) {
+  if (!(value >= 0)) fail("{}: {} {} is not >= 0", thing, key, value);
+  check_finite(thing, key, value);
+}
+
+/// Leaves what is unit to rounding alone, so that checking twice changes nothing.
+template <class Vector>
+void normalise(Vector& v, double length) {
+  if (std::abs(length - 1) > 4 * std::numeric_limits<double>::epsilon()) v /= length;
+}
+
+void check_unit(std::string_view thing, std::string_view key, Quat& q) {
+  if (!q.coeffs().allFinite()) fail("{}: {} is not finite", thing, key);
+  const double length = q.coeffs().stableNorm();
+  if (std::abs(length - 1) > unit_tolerance)
+    fail("{}: {} [{:g}, {:g}, {:g}, {:g}] has length {:.9g}, not 1", thing, key, q.w(), q.x(), q.y(), q.z(), length);
+  normalise(q.coeffs(), length);
+}
+
+void check_unit(std::string_view thing, std::string_view key, Vec3& v) {
+  check_finite(thing, key, v);
+  const double length = v.stableNorm();
+  if (length == 0) fail("{}: {} has length 0", thing, key);
+  if (std::abs(length - 1) > unit_tolerance) fail("{}: {} {} has length {:.9g}, not 1", thing, key, text(v), length);
+  normalise(v, length);
+}
+
+/// One list of names: none empty, none twice.
+class Names {
+ public:
+  explicit Names(std::string_view kind) : kind_(kind) {}
+  void add(const std::string& name, std::size_t index) {
+    if (name.empty()) fail("{} {} has no name", kind_, index);
+    if (!seen_.insert(name).second) fail("there are two {}s called '{}'", kind_, name);
+  }
+
+ private:
+  std::string_view kind_;
+  std::unordered_set<std::string_view> seen_;
+};
+
+void check_inertia(std::string_view thing, Mat3& inertia) {
+  if (!inertia.allFinite()) fail("{}: inertia is not finite", thing);
+  const double scale = inertia.cwiseAbs().maxCoeff();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < row; ++column) {
+      const double lower = inertia(row, column), upper = inertia(column, row);
+      if (std::abs(upper - lower) > inertia_tolerance * scale)
+        fail("{}: inertia is not symmetric ([{}][{}] is {:g}, [{}][{}] is {:g})", thing, row, column, lower, column,
+             row, upper);
+      inertia(row, column) = inertia(column, row) = 0.5 * (upper + lower);
+    }
+  }
+  // Moments of a diagonal matrix are read off, exact whatever their ratio; eigenvalues carry rounding.
+  Vec3 moments = inertia.diagonal();
+  double rounding = 0;
+  if (!inertia.isDiagonal(0)) {
+    moments = Eigen::SelfAdjointEigenSolver<Mat3>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
+    rounding = 4 * std::numeric_limits<double>::epsilon() * scale;
+  }
+  if (!(moments.minCoeff() > rounding))
+    fail("{}: inertia is not positive definite (principal moments {} kg m^2)", thing, text(moments));
+  const double largest = moments.maxCoeff(), others = moments.sum() - largest;
+  if (others < largest * (1 - inertia_tolerance))
+    fail("{}: inertia violates the triangle inequality (principal moments {} kg m^2: the smaller two add up to {:g})",
+         thing, text(moments), others);
+}
+
+void check_shape(std::string_view thing, const Shape& shape) {
+  using enum Shape::Type;
+  if (shape.type == sphere || shape.type == cylinder || shape.type == capsule)
+    check_positive(thing, "radius of its shape", shape.radius, "m");
+  if (shape.type == cylinder || shape.type == capsule)
+    check_positive(thing, "height of its shape", shape.height, "m");
+  if (shape.type == box && !(shape.size.allFinite() && shape.size.minCoeff() > 0))
+    fail("{}: size {} m of its shape is not > 0", thing, text(shape.size));
+  if (shape.type == mesh && shape.file.empty()) fail("{}: file of its shape is empty", thing);
+}
+
+void check_body(Body& body, double time_step) {
+  const std::string thing = fmt::format("body '{}'", body.name);
+  check_positive(thing, "mass", body.mass, "kg");
+  check_inertia(thing, body.inertia);
+  check_finite(thing, "position", body.position);
+  check_unit(thing, "orientation", body.orientation);
+  check_finite(thing, "velocity", body.velocity);
+  check_finite(thing, "angular velocity", body.angular_velocity);
+  const double spin = body.angular_velocity.stableNorm();
+  if (!(spin * time_step < largest_turn))
+    fail("{}: spins at {:g} rad/s; |w| dt = {:g} must be < {}: use a time step below {:.3g} s", thing, spin,
+         spin * time_step, largest_turn, largest_turn / spin);
+  check_shape(thing, body.shape);
+}
+
+/// Index of an existing body, or the world where that is allowed.
+void check_body_id(const Mechanism& mechanism, std::string_view thing, std::string_view key, BodyId id) {
+  if (id.index >= static_cast<int>(mechanism.bodies.size()))
+    fail("{}: {} {} is not a body (the scene has {}, counted from 0)", thing, key, id.index, mechanism.bodies.size());
+}
+
+std::string_view name_of(JointType type) {
+  switch (type) {
+    case JointType::fixed: return "fixed";
+    case JointType::revolute: return "revolute";
+    case JointType::prismatic: return "prismatic";
+    case JointType::spherical: return "spherical";
+  }
+  return "unknown";
+}
+
+void check_motor(std::string_view thing, const Motor& motor) {
+  check_not_negative(thing, "motor stiffness", motor.stiffness);
+  check_not_negative(thing, "motor damping", motor.damping);
+  if (!(motor.limit > 0)) fail("{}: motor limit {} is not > 0", thing, motor.limit);
+  if (const auto* value = std::get_if<double>(&motor.target)) check_finite(thing, "motor target", *value);
+  if (const auto* sine = std::get_if<SineTarget>(&motor.target)) {
+    check_finite(thing, "motor target offset", sine->offset);
+    check_finite(thing, "motor target amplitude", sine->amplitude);
+    check_finite(thing, "motor target frequency", sine->frequency);
+    check_finite(thing, "motor target phase", sine->phase);
+  }
+  if (const auto* table = std::get_if<TableTarget>(&motor.target)) {
+    if (table->empty()) fail("{}: motor target is an empty table", thing);
+    for (std::size_t i = 0; i < table->size(); ++i) {
+      const auto [time, value] = (*table)[i];
+      check_finite(thing, fmt::format("time {} of the motor target", i), time);
+      check_finite(thing, fmt::format("value {} of the motor target", i), value);
+      if (i > 0 && !(time > (*table)[i - 1].first))
+        fail("{}: times of the motor target do not increase (time {} is {:g} s after {:g} s)", thing, i, time,
+             (*table)[i - 1].first);
+    }
+  }
+}
+
+void check_joint(const Mechanism& mechanism, Joint& joint) {
+  const std::string thing = fmt::format("{} joint '{}'", name_of(joint.type), joint.name);
+  check_body_id(mechanism, thing, "parent", joint.parent);
+  check_body_id(mechanism, thing, "child", joint.child);
+  if (joint.child.is_world()) fail("{}: child is the world, which can only be the parent", thing);
+  if (joint.parent == joint.child)
+    fail("{}: connects body '{}' with itself", thing, mechanism.bodies[joint.child.index].name);
+  check_finite(thing, "parent point", joint.parent_point);
+  check_finite(thing, "child point", joint.child_point);
+  check_unit(thing, "orientation", joint.orientation);
+  const bool has_axis = joint.type == JointType::revolute || joint.type == JointType::prismatic;
+  check_finite(thing, "axis", joint.axis);
+  if (has_axis) {
+    const double length = joint.axis.stableNorm();
+    if (length == 0) fail("{}: axis has length 0", thing);
+    normalise(joint.axis, length);
+  }
+  if (!joint.motor) return;
+  if (!has_axis) fail("{}: has a motor, which only revolute and prismatic joints can have", thing);
+  check_motor(thing, *joint.motor);
+}
+
+/// Orthonormal to the normal, unless it already is.
+void check_tangent(std::string_view thing, const Vec3& normal, Vec3& tangent) {
+  check_finite(thing, "tangent", tangent);
+  const double length = tangent.stableNorm();
+  if (length == 0) fail("{}: tangent has length 0", thing);
+  normalise(tangent, length);
+  const double along = tangent.dot(normal);
+  if (1 - std::abs(along) < 1e-12) fail("{}: tangent {} is parallel to the normal {}", thing, text(tangent), text(normal));
+  if (std::abs(along) <= 4 * std::numeric_limits<double>::epsilon()) return;
+  tangent -= along * normal;
+  normalise(tangent, tangent.norm());
+}
+
+void check_contact(const Mechanism& mechanism, Contact& contact) {
+  const std::string thing = fmt::format("contact '{}'", contact.name);
+  check_body_id(mechanism, thing, "body", contact.body);
+  if (contact.body.is_world()) fail("{}: body is the world, which nothing moves", thing);
+  check_finite(thing, "point", contact.point);
+  check_unit(thing, "normal", contact.normal);
+  check_finite(thing, "plane point", contact.plane_point);
+  if (contact.friction) check_not_negative(thing, "friction", *contact.friction);
+  if (contact.directions < 4 || contact.directions % 2 != 0)
+    fail("{}: directions {} is not an even number >= 4", thing, contact.directions);
+  if (contact.tangent) check_tangent(thing, contact.normal, *contact.tangent);
+  check_not_negative(thing, "radius", contact.radius);
+}
+
+void check_load(const Mechanism& mechanism, const Load& load, std::size_t index) {
+  const std::string thing = fmt::format("load {}", index);
+  check_body_id(mechanism, thing, "body", load.body);
+  if (load.body.is_world()) fail("{}: body is the world, which nothing moves", thing);
+  if (load.first_step < 1) fail("{}: first step {} is not >= 1 (step 1 leads to record 1)", thing, load.first_step);
+  if (load.last_step < load.first_step)
+    fail("{}: last step {} is before the first step {}", thing, load.last_step, load.first_step);
+  check_finite(thing, "force", load.force);
+  check_finite(thing, "torque", load.torque);
+}
+
+}  // namespace
+
+void validate(Mechanism& mechanism) {
+  check_positive("scene", "time step", mechanism.time_step, "s");
+  check_finite("scene", "gravity", mechanism.gravity);
+  Names bodies("body"), joints("joint"), contacts("contact");
+  for (std::size_t i = 0; i < mechanism.bodies.size(); ++i) {
+    Body& body = mechanism.bodies[i];
+    bodies.add(body.name, i);
+    if (body.name == "world") fail("body {} is called 'world', which is the name of the ground", i);
+    check_body(body, mechanism.time_step);
+  }
+  for (std::size_t i = 0; i < mechanism.joints.size(); ++i) {
+    joints.add(mechanism.joints[i].name, i);
+    check_joint(mechanism, mechanism.joints[i]);
+  }
+  for (std::size_t i = 0; i < mechanism.contacts.size(); ++i) {
+    contacts.add(mechanism.contacts[i].name, i);
+    check_contact(mechanism, mechanism.contacts[i]);
+  }
+  for (std::size_t i = 0; i < mechanism.loads.size(); ++i) check_load(mechanism, mechanism.loads[i], i);
+}
+
+}  // namespace physics
