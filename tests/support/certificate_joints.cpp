@@ -137,7 +137,7 @@ void judge_joint_errors(const Step& step, Certificate& result) {
     if (joint.type == JointType::prismatic) r.shift = across(r.shift, axis);
     if (joint.type == JointType::revolute) r.turn.v = across(r.turn.v, axis);
     if (joint.type == JointType::spherical) r.turn.v.setZero();
-    const double shift = largest(r.shift), angle = 2 * largest(r.turn.v);
+    const double shift = largest(step.new_at(joint.parent).r * r.shift), angle = 2 * largest(r.turn.v);
     result.joint_error.raise(std::max(shift, angle), step.after.step, joint.name);
     result.joints.raise(shift / step.dt, step.after.step, joint.name);
     result.joints.raise(angle * step.scale[joint.child.index].gyration() / step.dt, step.after.step, joint.name);

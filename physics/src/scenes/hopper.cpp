@@ -13,28 +13,24 @@ constexpr double pole_mass = 0.2, pole_length = 0.8, pole_radius = 0.05;
 
 // The plan of the jump (ours: the paper gives none). The coordinate is the pole's centre over the base's along
 // the pole: large is crouched, small is stretched.
-constexpr double crouched = 0.1, stretched = -0.15;  // [m]
-constexpr double push_acceleration = 17.3;           // of the base, while pushing and while landing [m/s^2]
-constexpr double landing = 0.70;                     // the pole touches the ground again [s]
-constexpr double turn_begin = 0.20, turn_end = 0.64; // the turn: half of it speeding up, half of it braking [s]
-constexpr double turn_torque = 2.407;                // about [1 1 0] / sqrt 2 [N m]
-
-constexpr double sample = 0.005;  // between the points of the piecewise linear target [s]
+constexpr double crouched = 0.1, stretched = -0.15;   // [m]
+constexpr double push_acceleration = 17.3;            // of the base [m/s^2]
+constexpr double landing = 0.609;                     // the pole touches the ground again [s]
+constexpr double landing_speed = 2.06;                // of the base, then [m/s]
+constexpr double landing_acceleration = 10;           // that stops it [m/s^2]
+constexpr double turn_begin = 0.18, turn_end = 0.60;  // half of it speeding up, half of it braking [s]
+constexpr double turn_torque = 2.66114744;            // about [1 1 0] / sqrt 2; tuned to one full turn [N m]
+constexpr double sample = 0.005;                      // between the points of the piecewise linear target [s]
 
 TableTarget jump_plan() {
   TableTarget plan;
-  const double way = crouched - stretched;
-  const double duration = std::sqrt(2 * way / push_acceleration);
-  const int samples = static_cast<int>(duration / sample);
-  for (int i = 0; i <= samples; ++i) {
-    const double t = i * sample;
-    plan.emplace_back(t, crouched - push_acceleration * t * t / 2);
-  }
-  plan.emplace_back(duration, stretched);
-  for (int i = samples; i >= 0; --i) {  // landing: the same way back
-    const double t = i * sample;
-    plan.emplace_back(landing + duration - t, crouched - push_acceleration * t * t / 2);
-  }
+  const double push = std::sqrt(2 * (crouched - stretched) / push_acceleration);
+  for (double t = 0; t < push; t += sample) plan.emplace_back(t, crouched - push_acceleration * t * t / 2);
+  plan.emplace_back(push, stretched);
+  const double stop = landing_speed / landing_acceleration;
+  for (double t = 0; t < stop; t += sample)
+    plan.emplace_back(landing + t, stretched + landing_speed * t - landing_acceleration * t * t / 2);
+  plan.emplace_back(landing + stop, stretched + landing_speed * stop / 2);
   return plan;
 }
 
