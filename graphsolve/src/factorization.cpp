@@ -12,8 +12,9 @@ namespace graphsolve {
 
 namespace {
 
-/// A saddle pivot below this part of what was added to its diagonal is rounding error: the row depends on others.
-constexpr double dependent = 1e-11;
+/// A pivot of an uncertain saddle block below this part of what was added to its diagonal is rounding error: the
+/// row depends on others.
+constexpr double dependent = 1e-13;
 
 }  // namespace
 
@@ -45,7 +46,7 @@ void Factorization::set_zero(int component) {
   std::fill(values_.begin() + first, values_.begin() + last, 0.0);
 }
 
-void Factorization::keep_matrix() {
+void Factorization::allow_refinement() {
   matrix_.assign(values_.size(), 0.0);
   residual_.assign(symbolic_->rows(), 0.0);
   magnitude_.assign(symbolic_->rows(), 0.0);
@@ -69,14 +70,15 @@ Factorization::Outcome Factorization::factorize(int component) {
 void Factorization::factorize_range(int begin, int end, Outcome& outcome) {
   const Symbolic& s = *symbolic_;
   if (begin == end) return;
-  if (!matrix_.empty()) {
+  if (keep_matrix_) {
+    assert(!matrix_.empty());
     const auto first = s.pivot(begin).diagonal;
     const auto last = end < s.pivots() ? s.pivot(end).diagonal : s.values_size();
     std::copy(values_.begin() + first, values_.begin() + last, matrix_.begin() + first);
   }
   for (int k = begin; k < end; ++k) {
     const Symbolic::Pivot& p = s.pivot(k);
-    if (!p.saddle) continue;
+    if (!p.may_depend) continue;
     for (int i = 0; i < p.dimension; ++i)
       reference_[first_row_[k] + i] = std::abs(values_[p.diagonal + i * (p.dimension + 1)]);
   }
@@ -92,10 +94,10 @@ bool Factorization::factorize_pivot(int k, Outcome& outcome) {
   const int d = p.dimension, row = first_row_[k];
   double* diagonal = values_.data() + p.diagonal;
   rank_[k] = d;
-  if (p.saddle) std::copy_n(diagonal, d * d, work_.data());
+  if (p.may_depend) std::copy_n(diagonal, d * d, work_.data());
   const double smallest = kernels::factor_kernel(d)(diagonal, row_exchange_.data() + row, d);
   const double* reference = reference_.data() + row;
-  if (p.saddle && !std::isnan(smallest) && !(smallest > dependent * *std::max_element(reference, reference + d))) {
+  if (p.may_depend && !std::isnan(smallest) && !(smallest > dependent * *std::max_element(reference, reference + d))) {
     std::copy_n(work_.data(), d * d, diagonal);
     rank_[k] = factor_rank_revealing(diagonal, d, reference, dependent, row_exchange_.data() + row,
                                      column_exchange_.data() + row, work_.data() + d * d);
@@ -152,7 +154,7 @@ void Factorization::eliminate(int k) {
     const int di = pi.dimension;
     const auto product = kernels::product_kernel(di, d);
     double before[kernels::max_fixed];
-    const bool watch = pi.saddle && di <= kernels::max_fixed;
+    const bool watch = pi.may_depend && di <= kernels::max_fixed;
     if (watch)
       for (int q = 0; q < di; ++q) before[q] = v[pi.diagonal + q * (di + 1)];
     const double* upper = v + p.upper;
@@ -161,7 +163,7 @@ void Factorization::eliminate(int k) {
       product(v + target[i * m + j], lower, upper, di, d, dj);
       upper += d * dj;
     }
-    if (pi.saddle) {
+    if (pi.may_depend) {
       double* reference = reference_.data() + first_row_[ki];
       for (int q = 0; q < di; ++q) {
         const double now = v[pi.diagonal + q * (di + 1)];
@@ -247,13 +249,21 @@ void Factorization::solve_transposed(std::span<double> x) const {
   }
 }
 
+template <class F>
+void Factorization::each_row(int begin, int end, F&& f) const {
+  for (int k = begin; k < end; ++k) {
+    const Symbolic::Pivot& p = symbolic_->pivot(k);
+    for (int i = p.row; i < p.row + p.dimension; ++i) f(i);
+  }
+}
+
 /// residual_ = b - A x; returns the componentwise backward error of x.
-double Factorization::residual(std::span<const double> b, std::span<const double> x) {
+double Factorization::residual(std::span<const double> b, std::span<const double> x, int begin, int end) {
   const Symbolic& s = *symbolic_;
-  for (int i = 0; i < s.rows(); ++i) {
+  each_row(begin, end, [&](int i) {
     residual_[i] = b[i];
     magnitude_[i] = std::abs(b[i]);
-  }
+  });
   const auto subtract = [&](const double* block, int row, int rows, int column, int columns) {
     for (int j = 0; j < columns; ++j)
       for (int i = 0; i < rows; ++i) {
@@ -262,34 +272,46 @@ double Factorization::residual(std::span<const double> b, std::span<const double
         magnitude_[row + i] += std::abs(product);
       }
   };
-  for (int k = 0; k < s.pivots(); ++k) {
+  for (int k = begin; k < end; ++k) {
     const Symbolic::Pivot& p = s.pivot(k);
     subtract(matrix_.data() + p.diagonal, p.row, p.dimension, p.row, p.dimension);
     for (int e = p.begin; e < p.end; ++e) {
+      if (s.fill_[e]) continue;  // zero in the matrix
       const Symbolic::Pivot& q = s.pivot(s.coupled_[e]);
       subtract(matrix_.data() + p.lower + s.block_offset_[e], q.row, q.dimension, p.row, p.dimension);
       subtract(matrix_.data() + p.upper + s.block_offset_[e], p.row, p.dimension, q.row, q.dimension);
     }
   }
   double error = 0;
-  for (int i = 0; i < s.rows(); ++i) {
-    if (!std::isfinite(residual_[i])) return std::numeric_limits<double>::infinity();
-    if (magnitude_[i] > 0) error = std::max(error, std::abs(residual_[i]) / magnitude_[i]);
-  }
+  each_row(begin, end, [&](int i) {
+    if (!(magnitude_[i] > 0)) return;
+    const double e = std::abs(residual_[i]) / magnitude_[i];
+    if (!(e <= error)) error = e;  // a NaN must stay
+  });
   return error;
 }
 
 Factorization::Refinement Factorization::refine(std::span<const double> b, std::span<double> x, int max_sweeps) {
-  assert(!matrix_.empty() && "keep_matrix() before factorize()");
+  return refine_range(b, x, 0, symbolic_->pivots(), max_sweeps);
+}
+
+Factorization::Refinement Factorization::refine(std::span<const double> b, std::span<double> x, int component,
+                                                int max_sweeps) {
+  return refine_range(b, x, symbolic_->component_begin(component), symbolic_->component_begin(component + 1), max_sweeps);
+}
+
+Factorization::Refinement Factorization::refine_range(std::span<const double> b, std::span<double> x, int begin, int end,
+                                                      int max_sweeps) {
+  assert(!matrix_.empty() && "allow_refinement() and keep_matrix(true) before factorize()");
   const double goal = 4 * std::numeric_limits<double>::epsilon();
-  Refinement result{.sweeps = 0, .backward_error = residual(b, x)};
+  Refinement result{.sweeps = 0, .backward_error = residual(b, x, begin, end)};
   while (result.sweeps < max_sweeps && result.backward_error > goal) {
-    std::copy(residual_.begin(), residual_.end(), correction_.begin());
-    solve(correction_);
-    for (int i = 0; i < symbolic_->rows(); ++i) x[i] += correction_[i];
-    const double error = residual(b, x);
+    each_row(begin, end, [&](int i) { correction_[i] = residual_[i]; });
+    solve_range(correction_, begin, end);
+    each_row(begin, end, [&](int i) { x[i] += correction_[i]; });
+    const double error = residual(b, x, begin, end);
     if (!(error < result.backward_error)) {
-      for (int i = 0; i < symbolic_->rows(); ++i) x[i] -= correction_[i];
+      each_row(begin, end, [&](int i) { x[i] -= correction_[i]; });
       break;
     }
     ++result.sweeps;

@@ -9,7 +9,10 @@ namespace graphsolve {
 namespace {
 
 constexpr double affine_from = 1e-3;   ///< below this residual the barrier goes straight to its floor
+constexpr double centre_below = 0.5;  ///< a step shorter than this asks for centring
+constexpr double centring = 0.5;
 constexpr double short_step = 0.15;    ///< three of these in a row end an attempt
+constexpr double refine_below = 1e-2;  ///< residual from which Newton is expected to gain a digit
 constexpr int newton_halvings = 8;
 
 /// Adds its life time to one phase of the profile; costs nothing without one.
@@ -130,6 +133,7 @@ void InteriorPoint::judge_component(int c) {
     end(c);
     return;
   }
+  if (unsound(c)) return;
   good_[c] = error_[c] <= tolerance_[c];
   good_error_[c] = error_[c];
   if (degree_[c] == 0 && backtrack(c)) return;
@@ -146,6 +150,23 @@ void InteriorPoint::undo(int c) {
   for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->accept(of_component(port_lists_[b], c), alpha_);
   each_row(c, [&](int i) { x_[i] -= step * dx_[i]; });
   reports_[c].residual = good_error_[c];
+}
+
+/// Newton gains at least a digit near the solution. Where it does not, rounding in the elimination of very stiff
+/// pairs is the cause: refine from here on; a step that made things much worse is taken back first.
+bool InteriorPoint::unsound(int c) {
+  if (refine_[c] || degree_[c] == 0 || attempt_iterations_[c] == 0) return false;
+  if (previous_error_[c] > refine_below || error_[c] <= tolerance_[c]) return false;
+  if (error_[c] < 0.1 * previous_error_[c] || alpha_[c] < 0.9) {
+    if (!(error_[c] > 10 * previous_error_[c])) return false;
+  }
+  refine_[c] = 1;
+  if (!(error_[c] > 10 * previous_error_[c])) return false;
+  undo(c);
+  alpha_[c] = 1;
+  short_steps_[c] = 0;
+  restarted_ = true;
+  return true;
 }
 
 /// The present phase of a component is solved.
@@ -175,6 +196,7 @@ void InteriorPoint::factorize() {
   for (std::size_t b = 0; b < ports.size(); ++b)
     if (!port_lists_[b].running.empty()) ports[b]->condense(running(port_lists_[b]), values);
   for (const int c : running_) {
+    factorization_.keep_matrix(refine_[c] != 0);
     const auto outcome = factorization_.factorize(c);
     reports_[c].dropped_rows = outcome.dropped_rows;
     if (!outcome.ok()) trouble_[c] = Status::singular;
@@ -193,7 +215,11 @@ void InteriorPoint::right_hand_side() {
 }
 
 void InteriorPoint::solve_linear() {
-  for (const int c : running_) factorization_.solve(dx_, c);
+  for (const int c : running_) {
+    if (refine_[c]) each_row(c, [&](int i) { rhs_[i] = dx_[i]; });
+    factorization_.solve(dx_, c);
+    if (refine_[c]) (void)factorization_.refine(rhs_, dx_, c, 2);
+  }
   const auto ports = problem_.ports();
   for (std::size_t b = 0; b < ports.size(); ++b) {
     if (port_lists_[b].running.empty()) continue;
@@ -202,13 +228,19 @@ void InteriorPoint::solve_linear() {
   }
 }
 
+/// Near the solution, and on a central enough path, no predictor is needed.
+bool InteriorPoint::straight_to_floor(int c) const {
+  return error_[c] < affine_from && !(last_alpha_[c] < centre_below);
+}
+
 /// Predictor: how far does the step to mu = 0 lead? Sets mu and the weight of the second-order term.
 void InteriorPoint::affine_step() {
   const PhaseClock clock(profile_ ? &profile_->solve : nullptr);
   bool wanted = false;
   for (const int c : running_) {
     ratio_[c] = mu_[c] = correction_[c] = 0;
-    if (degree_[c] > 0 && !(error_[c] < affine_from)) wanted = true;
+    last_alpha_[c] = alpha_[c];
+    if (degree_[c] > 0 && !straight_to_floor(c)) wanted = true;
   }
   if (wanted) {
     right_hand_side();
@@ -231,13 +263,15 @@ void InteriorPoint::affine_step() {
   }
   for (const int c : running_) {
     if (degree_[c] == 0) continue;
-    if (error_[c] < affine_from) {
+    if (straight_to_floor(c)) {
       mu_[c] = mu_floor_[c];
       continue;
     }
     const double nu = mu_[c] / degree_[c], nu_affine = sum_[c] / degree_[c];
-    const double sigma = std::clamp(nu_affine / nu, 0.0, 1.0);
-    mu_[c] = std::max(sigma * sigma * sigma * nu, mu_floor_[c]);
+    const double reduction = std::clamp(nu_affine / nu, 0.0, 1.0);
+    // After a short step the pairs are unbalanced: centre before going on.
+    const double sigma = last_alpha_[c] < centre_below ? std::max(centring, reduction) : reduction * reduction * reduction;
+    mu_[c] = std::max(sigma * nu, mu_floor_[c]);
     correction_[c] = alpha_[c] > 0.1 ? 1 : 0;
   }
 }

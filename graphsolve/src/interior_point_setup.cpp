@@ -28,15 +28,17 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   for (Term* term : problem_.terms()) add_lists(*term, term_lists_);
   for (PortBatch* ports : problem_.ports()) add_lists(*ports, port_lists_);
 
-  for (auto* v : {&x_, &start_, &dx_, &residual_}) v->assign(s.rows(), 0.0);
+  for (auto* v : {&x_, &start_, &dx_, &rhs_, &residual_}) v->assign(s.rows(), 0.0);
   row_scale_.assign(problem_.row_scale().begin(), problem_.row_scale().end());
   for (auto* v : {&error_, &previous_error_, &product_, &mu_, &mu_floor_, &alpha_, &ratio_, &sum_, &correction_, &scale_,
-                  &tolerance_, &change_, &good_error_})
+                  &tolerance_, &change_, &good_error_, &last_alpha_})
     v->assign(components, 0.0);
   for (auto* v : {&degree_, &attempt_iterations_, &short_steps_, &halvings_, &freezes_}) v->assign(components, 0);
   trouble_.assign(components, Status::solved);
   phase_.assign(components, Phase::full);
   good_.assign(components, 0);
+  refine_.assign(components, 0);
+  factorization_.allow_refinement();
   reports_.resize(components);
   running_.reserve(components);
   keep_running_.reserve(components);
@@ -88,7 +90,8 @@ void InteriorPoint::begin(std::span<const double> x, double force_factor, std::s
     reports_[c] = {};
     trouble_[c] = Status::solved;
     phase_[c] = Phase::full;
-    good_[c] = 0;
+    good_[c] = refine_[c] = 0;
+    alpha_[c] = 1;
     attempt_iterations_[c] = short_steps_[c] = halvings_[c] = freezes_[c] = degree_[c] = 0;
     previous_error_[c] = scale_[c] = 0;
     tolerance_[c] = noise.empty() ? settings_.tolerance : std::max(settings_.tolerance, noise[c]);
@@ -164,6 +167,7 @@ void InteriorPoint::next_attempt(int c) {
     return;
   }
   each_row(c, [&](int i) { x_[i] = start_[i]; });
+  alpha_[c] = 1;
   attempt_iterations_[c] = short_steps_[c] = halvings_[c] = freezes_[c] = 0;
   phase_[c] = Phase::full;
   good_[c] = 0;

@@ -36,13 +36,31 @@ Symbolic::Symbolic(const BlockGraph& graph, const Ordering& ordering) : rows_(gr
                   .dimension = graph.dimension(node),
                   .row = graph.row(node),
                   .parent = -1,
-                  .saddle = graph.kind(node) == NodeKind::saddle,
+                  .may_depend = graph.kind(node) == NodeKind::saddle,
                   .begin = 0, .end = 0, .coupled_rows = 0,
                   .diagonal = 0, .lower = 0, .upper = 0, .targets = 0};
   }
+  find_uncertain(graph);
   find_structure(graph);
   lay_out();
   plan_updates();
+}
+
+/// A saddle node is safe when a regular neighbour, across a full-row-rank edge, is eliminated before it and after
+/// all other saddle neighbours of its own: what it gets from there alone is definite.
+void Symbolic::find_uncertain(const BlockGraph& graph) {
+  for (int k = 0; k < pivots(); ++k) {
+    const NodeId host = pivots_[k].node;
+    if (graph.kind(host) != NodeKind::regular) continue;
+    int waiting = 0, guest = -1;
+    for (const auto& edge : graph.edges(host)) {
+      const int i = position_[edge.to.index];
+      if (i < k || graph.kind(edge.to) != NodeKind::saddle) continue;
+      ++waiting;
+      guest = edge.rank == EdgeRank::full_row || edge.rank == EdgeRank::full ? i : -1;
+    }
+    if (waiting == 1 && guest >= 0) pivots_[guest].may_depend = false;
+  }
 }
 
 /// Column structure of the factor: what the graph couples to the pivot, joined with what its children in the

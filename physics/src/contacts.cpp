@@ -39,7 +39,7 @@ Contacts::Contacts(const Mechanism& mechanism, const Assembly& assembly, Bodies&
                         : any_.add(port, PyramidLaw<0>(*c.friction, island, mass, c.directions));
     } else {
       entry.index = none_.add(ContactPort<1>(bodies, place.body, point, c.normal, offset, c.radius),
-                              graphsolve::Nonnegative(island, largest_stiffness * mass));
+                              graphsolve::Nonnegative(island, largest_stiffness(mass, island)));
     }
     contacts_.push_back(entry);
   }

@@ -23,16 +23,18 @@ class Factorization {
   void set_zero();
   void set_zero(int component);
 
-  /// Keeps a copy of the matrix at each factorize, for refine(). Off by default; allocates now.
-  void keep_matrix();
+  /// Makes room for a copy of the matrix, which refine() needs; allocates now.
+  void allow_refinement();
+  /// Whether the next factorizations keep that copy. Off at first.
+  void keep_matrix(bool keep) { keep_matrix_ = keep; }
 
   struct Outcome {
     int dropped_rows = 0;        ///< dependent rows found inside saddle blocks and left out
     int first_bad_pivot = -1;    ///< pivot with NaN, infinity or a singular block that cannot be left out; -1: none
     [[nodiscard]] bool ok() const { return first_bad_pivot < 0; }
   };
-  /// Factors all components, or one. Dependent saddle rows (pivot below 1e-11 of what was added to the block)
-  /// are left out: their unknowns become zero.
+  /// Factors all components, or one. Dependent rows of saddle blocks that the eligibility rule does not vouch for
+  /// (pivot below 1e-13 of what was added to the block) are left out: their unknowns become zero.
   [[nodiscard]] Outcome factorize();
   [[nodiscard]] Outcome factorize(int component);
 
@@ -47,8 +49,9 @@ class Factorization {
     double backward_error = 0;  ///< componentwise: max |A x - b| / (|A| |x| + |b|)
   };
   /// x := refined solution of A x = b, until the componentwise backward error is <= 4 eps rows or no longer
-  /// halves. Needs keep_matrix(). b is not changed.
+  /// halves. Needs the kept matrix. b is not changed.
   Refinement refine(std::span<const double> b, std::span<double> x, int max_sweeps = 3);
+  Refinement refine(std::span<const double> b, std::span<double> x, int component, int max_sweeps);
 
   /// Rows left out by the last factorize: node and row within it.
   struct DroppedRow {
@@ -67,7 +70,10 @@ class Factorization {
   void eliminate(int k);
   void solve_diagonal(int k, double* x, int columns) const;
   void solve_range(std::span<double> x, int begin, int end) const;
-  double residual(std::span<const double> b, std::span<const double> x);
+  Refinement refine_range(std::span<const double> b, std::span<double> x, int begin, int end, int max_sweeps);
+  double residual(std::span<const double> b, std::span<const double> x, int begin, int end);
+  template <class F>
+  void each_row(int begin, int end, F&& f) const;
 
   std::shared_ptr<const Symbolic> symbolic_;
   std::vector<double> values_, matrix_;
@@ -79,6 +85,7 @@ class Factorization {
   std::vector<double> work_;          ///< of the largest block; solve_range needs none of it
   std::vector<double> residual_, magnitude_, correction_;
   std::vector<DroppedRow> dropped_;
+  bool keep_matrix_ = false;
 };
 
 }  // namespace graphsolve

@@ -84,12 +84,14 @@ class InteriorPoint {
   void judge();
   void judge_component(int component);
   void undo(int component);
+  bool unsound(int component);
   void end(int component);
   bool backtrack(int component);
   void next_attempt(int component);
   void refreeze(int component);
   void restart_cold(int component, double velocity);
   void factorize();
+  [[nodiscard]] bool straight_to_floor(int component) const;
   void affine_step();
   void combined_step();
   void take_step();
@@ -101,14 +103,15 @@ class InteriorPoint {
   Factorization factorization_;
   std::vector<Lists> term_lists_, port_lists_;
   std::vector<int> running_, keep_running_;
-  std::vector<double> x_, start_, dx_, residual_, row_scale_;
+  std::vector<double> x_, start_, dx_, rhs_, residual_, row_scale_;
   // By component.
   std::vector<ComponentReport> reports_;
   std::vector<double> error_, previous_error_, product_, mu_, mu_floor_, alpha_, ratio_, sum_, correction_, scale_,
-      tolerance_, change_, good_error_;
+      tolerance_, change_, good_error_, last_alpha_;
   std::vector<int> degree_, attempt_iterations_, short_steps_, halvings_, freezes_;
   std::vector<Status> trouble_;  ///< why the present attempt has to end; solved: it need not
   std::vector<Phase> phase_;
+  std::vector<char> refine_;  ///< solutions of the linear system are refined
   std::vector<char> good_;  ///< the point before the last step was a solution, but for its products
   bool restarted_ = false;
   bool scales_known_ = false;

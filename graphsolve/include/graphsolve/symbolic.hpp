@@ -47,7 +47,8 @@ class Symbolic {
   [[nodiscard]] int position(NodeId node) const { return position_[node.index]; }
   [[nodiscard]] int dimension(int pivot) const { return pivots_[pivot].dimension; }
   [[nodiscard]] int row(int pivot) const { return pivots_[pivot].row; }  ///< first row in the user's numbering
-  [[nodiscard]] bool saddle(int pivot) const { return pivots_[pivot].saddle; }
+  /// A saddle block that the eligibility rule does not vouch for: its rows may depend on earlier ones.
+  [[nodiscard]] bool may_depend(int pivot) const { return pivots_[pivot].may_depend; }
   /// Parent in the elimination tree, or -1.
   [[nodiscard]] int parent(int pivot) const { return pivots_[pivot].parent; }
   /// Later pivots coupled to this one in the factor, ascending.
@@ -66,7 +67,7 @@ class Symbolic {
     int dimension;
     int row;
     int parent;
-    bool saddle;
+    bool may_depend;
     int begin, end;         ///< range in the coupled list
     int coupled_rows;       ///< sum of the coupled dimensions
     std::int64_t diagonal;  ///< offset of the diagonal block
@@ -78,6 +79,7 @@ class Symbolic {
   [[nodiscard]] const std::int64_t* targets(const Pivot& p) const { return targets_.data() + p.targets; }
 
  private:
+  void find_uncertain(const BlockGraph& graph);
   void find_structure(const BlockGraph& graph);
   void lay_out();
   void plan_updates();
