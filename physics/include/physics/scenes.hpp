@@ -184,9 +184,9 @@ Mechanism hopper(const Hopper& parameters = {});
 /// The paper's quadruped (IV-B.2) with the figures of the Unitree A1: a diagonal trot along x.
 struct Quadruped {
   double friction = 0.8;
-  double frequency = 2.0;  ///< of the gait [Hz]; 0: stands
-  double stride = 0.05;    ///< amplitude of a foot along x [m]
-  double lift = 0.03;      ///< amplitude of a foot along z [m]
+  double frequency = 3.0;  ///< of the gait [Hz]; 0: stands
+  double stride = 0.04;    ///< amplitude of a foot along x [m]
+  double lift = 0.012;     ///< amplitude of a foot along z [m]
   double time_step = 0.001;
 };
 Mechanism quadruped(const Quadruped& parameters = {});
