@@ -21,9 +21,9 @@ using physics::Vec3;
 constexpr double bar = 1e-8;               // of a solver at default settings
 constexpr double oracle_accuracy = 1e-11;  // what the references certify at
 
-class Reference : public testing::TestWithParam<std::string> {};
+class ReferenceCertificate : public testing::TestWithParam<std::string> {};
 
-TEST_P(Reference, CertifiesAtTheOraclesAccuracy) {
+TEST_P(ReferenceCertificate, CertifiesAtTheOraclesAccuracy) {
   const physics::Trajectory trajectory = reference::read(GetParam());
   const Certificate result = certify(trajectory);
   EXPECT_GE(result.steps, 24);
@@ -35,7 +35,7 @@ TEST_P(Reference, CertifiesAtTheOraclesAccuracy) {
   EXPECT_GE(result.smallest_distance, -1e-14);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Reference, testing::ValuesIn(reference::names()),
+INSTANTIATE_TEST_SUITE_P(All, ReferenceCertificate, testing::ValuesIn(reference::names()),
                          [](const auto& parameter) { return parameter.param; });
 
 /// One way to be wrong: changes the record after the step; false when it would change nothing in this record.
