@@ -14,7 +14,7 @@ namespace {
 
 /// A pivot of an uncertain saddle block below this part of what was added to its diagonal is rounding error: the
 /// row depends on others.
-constexpr double dependent = 1e-13;
+constexpr double dependent = 1e-11;
 
 }  // namespace
 
@@ -78,9 +78,8 @@ void Factorization::factorize_range(int begin, int end, Outcome& outcome) {
   }
   for (int k = begin; k < end; ++k) {
     const Symbolic::Pivot& p = s.pivot(k);
-    if (!p.may_depend) continue;
-    for (int i = 0; i < p.dimension; ++i)
-      reference_[first_row_[k] + i] = std::abs(values_[p.diagonal + i * (p.dimension + 1)]);
+    if (!p.saddle) continue;
+    for (int i = 0; i < p.dimension; ++i) reference_[first_row_[k] + i] = values_[p.diagonal + i * (p.dimension + 1)];
   }
   for (int k = begin; k < end; ++k) {
     if (!factorize_pivot(k, outcome)) return;
@@ -93,10 +92,15 @@ bool Factorization::factorize_pivot(int k, Outcome& outcome) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const int d = p.dimension, row = first_row_[k];
   double* diagonal = values_.data() + p.diagonal;
+  double* reference = reference_.data() + row;
   rank_[k] = d;
+  if (p.saddle)
+    for (int i = 0; i < d; ++i) {
+      diagonal[i * (d + 1)] += saddle_shift_ * reference[i];
+      reference[i] = std::abs(reference[i]);
+    }
   if (p.may_depend) std::copy_n(diagonal, d * d, work_.data());
   const double smallest = kernels::factor_kernel(d)(diagonal, row_exchange_.data() + row, d);
-  const double* reference = reference_.data() + row;
   if (p.may_depend && !std::isnan(smallest) && !(smallest > dependent * *std::max_element(reference, reference + d))) {
     std::copy_n(work_.data(), d * d, diagonal);
     rank_[k] = factor_rank_revealing(diagonal, d, reference, dependent, row_exchange_.data() + row,
@@ -154,7 +158,7 @@ void Factorization::eliminate(int k) {
     const int di = pi.dimension;
     const auto product = kernels::product_kernel(di, d);
     double before[kernels::max_fixed];
-    const bool watch = pi.may_depend && di <= kernels::max_fixed;
+    const bool watch = pi.saddle && di <= kernels::max_fixed;
     if (watch)
       for (int q = 0; q < di; ++q) before[q] = v[pi.diagonal + q * (di + 1)];
     const double* upper = v + p.upper;
@@ -163,11 +167,12 @@ void Factorization::eliminate(int k) {
       product(v + target[i * m + j], lower, upper, di, d, dj);
       upper += d * dj;
     }
-    if (pi.may_depend) {
+    if (pi.saddle) {
       double* reference = reference_.data() + first_row_[ki];
       for (int q = 0; q < di; ++q) {
         const double now = v[pi.diagonal + q * (di + 1)];
-        reference[q] = std::max(reference[q], std::abs(watch ? now - before[q] : now));
+        const double added = watch ? now - before[q] : now;
+        if (std::abs(added) > std::abs(reference[q])) reference[q] = added;
       }
     }
     lower += di * d;

@@ -12,6 +12,7 @@ constexpr double affine_from = 1e-3;   ///< below this residual the barrier goes
 constexpr double centre_below = 0.5;  ///< a step shorter than this asks for centring
 constexpr double centring = 0.5;
 constexpr double short_step = 0.15;    ///< three of these in a row end an attempt
+static const double KF=getenv("KF")?atof(getenv("KF")):1e4, KA=getenv("KA")?atof(getenv("KA")):0.1;
 constexpr double refine_below = 1e-2;  ///< residual from which Newton is expected to gain a digit
 constexpr int newton_halvings = 8;
 
@@ -45,7 +46,11 @@ Status InteriorPoint::solve(std::span<double> x, double force_factor, std::span<
       continue;
     }
     if (running_.empty()) break;
-    factorize();
+    if (!factorize()) {
+      judge();
+      evaluate();
+      continue;
+    }
     affine_step();
     combined_step();
     take_step();
@@ -113,6 +118,10 @@ void InteriorPoint::judge() {
     if (attempt_iterations_[c] < 0) ended = true;
   }
   if (!ended) return;
+  if (undone_) {
+    evaluate();  // terms keep what belongs to x: bring them back to the point that is handed out
+    undone_ = false;
+  }
   std::erase_if(running_, [&](int c) { return attempt_iterations_[c] < 0; });
   set_running();
 }
@@ -121,6 +130,11 @@ void InteriorPoint::judge_component(int c) {
   reports_[c].residual = error_[c];
   if (!std::isfinite(error_[c]) && !good_[c]) {
     trouble_[c] = Status::not_finite;
+    return;
+  }
+  if (trouble_[c] == Status::singular && good_[c]) {
+    trouble_[c] = Status::solved;
+    end(c);  // only the products were to be polished
     return;
   }
   if (trouble_[c] != Status::solved) return;
@@ -150,6 +164,7 @@ void InteriorPoint::undo(int c) {
   for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->accept(of_component(port_lists_[b], c), alpha_);
   each_row(c, [&](int i) { x_[i] -= step * dx_[i]; });
   reports_[c].residual = good_error_[c];
+  undone_ = true;
 }
 
 /// Newton gains at least a digit near the solution. Where it does not, rounding in the elimination of very stiff
@@ -189,21 +204,30 @@ bool InteriorPoint::backtrack(int c) {
   return true;
 }
 
-void InteriorPoint::factorize() {
+/// False when some component has a singular block.
+bool InteriorPoint::factorize() {
   const PhaseClock clock(profile_ ? &profile_->factorize : nullptr);
   const auto ports = problem_.ports();
   double* values = factorization_.values().data();
+  // Forces that are not unique move by stiffness times residual: a stiffness of 1 / residual keeps that move finite,
+  // and what it leaves undone is quadratic in the residual, as Newton's own error is.
+  for (const int c : running_) ratio_[c] = scale_[c] * std::max(KF, KA / error_[c]);
   for (std::size_t b = 0; b < ports.size(); ++b)
-    if (!port_lists_[b].running.empty()) ports[b]->condense(running(port_lists_[b]), values);
+    if (!port_lists_[b].running.empty()) ports[b]->condense(running(port_lists_[b]), ratio_, values);
+  bool regular = true;
   for (const int c : running_) {
     factorization_.keep_matrix(refine_[c] != 0);
     const auto outcome = factorization_.factorize(c);
     reports_[c].dropped_rows = outcome.dropped_rows;
-    if (!outcome.ok()) trouble_[c] = Status::singular;
+    if (!outcome.ok()) {
+      trouble_[c] = Status::singular;
+      regular = false;
+    }
     ++reports_[c].iterations;
     ++attempt_iterations_[c];
     previous_error_[c] = error_[c];
   }
+  return regular;
 }
 
 void InteriorPoint::right_hand_side() {

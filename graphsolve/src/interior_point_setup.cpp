@@ -9,6 +9,7 @@ namespace graphsolve {
 
 namespace {
 
+constexpr double saddle_shift = 1e-12;
 constexpr int most_freezes = 40;
 
 }  // namespace
@@ -39,6 +40,7 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   good_.assign(components, 0);
   refine_.assign(components, 0);
   factorization_.allow_refinement();
+  factorization_.set_saddle_shift(getenv("SH")?atof(getenv("SH")):saddle_shift);
   reports_.resize(components);
   running_.reserve(components);
   keep_running_.reserve(components);

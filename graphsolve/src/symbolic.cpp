@@ -36,6 +36,7 @@ Symbolic::Symbolic(const BlockGraph& graph, const Ordering& ordering) : rows_(gr
                   .dimension = graph.dimension(node),
                   .row = graph.row(node),
                   .parent = -1,
+                  .saddle = graph.kind(node) == NodeKind::saddle,
                   .may_depend = graph.kind(node) == NodeKind::saddle,
                   .begin = 0, .end = 0, .coupled_rows = 0,
                   .diagonal = 0, .lower = 0, .upper = 0, .targets = 0};

@@ -27,7 +27,9 @@ Contacts::Contacts(const Mechanism& mechanism, const Assembly& assembly, Bodies&
       world_distance_.push_back(c.normal.dot(point) - offset - c.radius);
       continue;
     }
-    const double island = island_mass[place.body], mass = bodies.mass[place.body];
+    const double island = island_mass[place.body];
+    const RigidBody& body = assembly.bodies[place.body];
+    const double stiffness = largest_stiffness(body.mass, body.smallest_inertia, point.norm());
     Entry entry{.source = k, .batch = Batch::none, .index = -1, .aligned = false};
     if (c.friction.value_or(0) > 0) {
       entry.aligned = model.value_or(c.friction_model) == FrictionModel::aligned;
@@ -35,11 +37,11 @@ Contacts::Contacts(const Mechanism& mechanism, const Assembly& assembly, Bodies&
       ContactPort<3> port(bodies, place.body, point, c.normal, offset, c.radius);
       port.set_tangent(c.tangent.value_or(c.normal.unitOrthogonal()));
       entry.index = entry.batch == Batch::four
-                        ? four_.add(port, PyramidLaw<4>(*c.friction, island, mass, 4))
-                        : any_.add(port, PyramidLaw<0>(*c.friction, island, mass, c.directions));
+                        ? four_.add(port, PyramidLaw<4>(*c.friction, island, stiffness, 4))
+                        : any_.add(port, PyramidLaw<0>(*c.friction, island, stiffness, c.directions));
     } else {
       entry.index = none_.add(ContactPort<1>(bodies, place.body, point, c.normal, offset, c.radius),
-                              graphsolve::Nonnegative(island, largest_stiffness(mass, island)));
+                              graphsolve::Nonnegative(island, stiffness));
     }
     contacts_.push_back(entry);
   }

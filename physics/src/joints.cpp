@@ -152,15 +152,24 @@ double Joints::motor_residual(Joint& joint, double lambda, double& diagonal, boo
   const double wanted = motor.stiffness * (joint.target - joint.next_coordinate) - motor.damping * change / dt;
   limited = !(std::abs(wanted) < motor.limit);
   const double effort = limited ? std::copysign(motor.limit, wanted) : wanted;
-  diagonal = 1 / (dt * (motor.stiffness * dt + motor.damping));
-  return (lambda - dt * effort) * diagonal;
+  diagonal = 1 / (impulse_time_ * (motor.stiffness * dt + motor.damping));
+  return (lambda - impulse_time_ * effort) * diagonal;
 }
 
-void Joints::prepare(double end_time) {
+void Joints::set_directions(Joint& joint, Pose parent, Pose child) {
+  parent.turn = child.turn = Mat3::Identity();
+  jacobian(joint, parent, child, joint.parent_force, joint.child_force);
+  const JointGeometry& g = joint.geometry;
+  const Vec3 point = child.x + child.rotation * g.child_point;
+  const Pose& recorded = g.child >= 0 ? child : parent;
+  joint.force_rotation = recorded.rotation;
+  joint.force_arm = point - recorded.x;
+}
+
+void Joints::prepare(double end_time, double impulse_time) {
+  impulse_time_ = impulse_time;
   for (Joint& joint : joints_) {
-    const Pose &a = bodies_.pose_now(joint.geometry.parent), &b = bodies_.pose_now(joint.geometry.child);
-    jacobian(joint, a, b, joint.parent_force, joint.child_force);
-    joint.lever = b.rotation * joint.geometry.child_point;
+    set_directions(joint, bodies_.pose_now(joint.geometry.parent), bodies_.pose_now(joint.geometry.child));
     if (joint.motor) joint.target = motor_target(*joint.motor, end_time);
   }
 }
@@ -185,12 +194,7 @@ void Joints::evaluate(graphsolve::Instances instances, std::span<const double> x
     Joint& joint = joints_[k];
     const int n = joint.rows;
     const Pose &a = bodies_.pose_next(joint.geometry.parent), &b = bodies_.pose_next(joint.geometry.child);
-    if (bodies_.force_at_next) {
-      Pose a_still = a, b_still = b;
-      a_still.turn = b_still.turn = Mat3::Identity();
-      jacobian(joint, a_still, b_still, joint.parent_force, joint.child_force);
-      joint.lever = b.rotation * joint.geometry.child_point;
-    }
+    if (bodies_.force_at_next) set_directions(joint, a, b);
     violation(joint, a, b, g);
     for (int i = 0; i < joint.translation_rows + joint.rotation_rows; ++i) residual[joint.row + i] += g[i] * rate;
     double diagonal = 0;
@@ -242,12 +246,8 @@ void Joints::impulse(int i, std::span<const double> x, Vec3& linear, Vec3& angul
   const Matrix6& force = on_child ? joint.child_force : joint.parent_force;
   Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
   for (int r = 0; r < joint.rows; ++r) wrench += force.row(r).transpose() * x[joint.row + r];
-  const int body = on_child ? joint.geometry.child : joint.geometry.parent;
-  const Pose& pose = bodies_.force_at_next ? bodies_.next[body] : bodies_.now[body];
   linear = wrench.head<3>();
-  // From the body's centre to the child's joint point, which is where the force acts on either side.
-  const Vec3 arm = on_child ? joint.lever : Vec3(joint.geometry.child_point - pose.x);
-  angular = pose.rotation * wrench.tail<3>() - arm.cross(linear);
+  angular = joint.force_rotation * wrench.tail<3>() - joint.force_arm.cross(linear);
   if (!on_child) linear = -linear, angular = -angular;
 }
 

@@ -24,7 +24,8 @@ class Joints final : public graphsolve::Term {
   void add(const JointGeometry& geometry, const Motor* motor, graphsolve::NodeId node);
 
   /// Before a step: force directions at `now`, motor state. end_time: of the step [s].
-  void prepare(double end_time);
+  /// impulse_time: what makes an impulse of a force, dt or half of it [s].
+  void prepare(double end_time, double impulse_time);
   /// After a step that is kept: remembers the motors' coordinates.
   void commit();
   /// Sets the motors' coordinates from the poses `now`.
@@ -66,17 +67,21 @@ class Joints final : public graphsolve::Term {
     double coordinate = 0;              ///< of the motor at `now`
     double next_coordinate = 0;
     double target = 0;
-    Vec3 lever = Vec3::Zero();  ///< child's joint point from its centre, world, where the force acted
+    // Where the recorded body stood when the force acted on it: the child, or the parent of a child in the world.
+    Mat3 force_rotation = Mat3::Identity();
+    Vec3 force_arm = Vec3::Zero();  ///< from its centre to the child's joint point, world
   };
 
   void violation(const Joint& joint, const Pose& a, const Pose& b, double* g) const;
   void jacobian(const Joint& joint, const Pose& a, const Pose& b, Matrix6& parent, Matrix6& child) const;
   double coordinate(const Joint& joint, const Pose& a, const Pose& b) const;
   /// Residual of the motor row; fills its diagonal entry and tells whether the effort is at its limit.
+  void set_directions(Joint& joint, Pose parent, Pose child);
   double motor_residual(Joint& joint, double lambda, double& diagonal, bool& limited);
 
   Bodies& bodies_;
   std::vector<Joint> joints_;
+  double impulse_time_ = 0;
 };
 
 }  // namespace physics

@@ -10,10 +10,12 @@
 
 namespace physics {
 
-/// Bound on the stiffness z/s of a contact pair in the matrix [kg]. Higher ones erase the inertia they are added to
-/// (rounding error 2e-16 of it against the smallest moment); lower ones slow down the last iterations, which gain a
-/// factor of it over the mass that is pressed on. Measured between 1e8 and 1e14 on chains and on mass ratio 1e4.
-inline double largest_stiffness(double body_mass, double island_mass) { return 1e10 * std::sqrt(body_mass * island_mass); }
+/// Bound on the stiffness z/s of a contact pair in the matrix [kg]: rounding, 2e-16 of it, may erase a thousandth
+/// of the smallest inertia that a body shows at an arm from its centre, 1 / (1/m + arm^2/J_min). (Lower bounds only
+/// slow down the last iterations, which gain a factor of it over the mass that is pressed on.)
+inline double largest_stiffness(double mass, double smallest_inertia, double arm) {
+  return 1e12 / (1 / mass + arm * arm / smallest_inertia);
+}
 
 /// Contact with pyramidal Coulomb friction (eq. 15, 20 with slacks, 26c-i), rows n, t1, t2.
 /// Pairs (velocity s, impulse z): (s_g, gamma), (eta_i, beta_i) for each facet, (psi, s_psi).
@@ -28,9 +30,9 @@ class PyramidLaw {
  public:
   static constexpr int rows = 3;
 
-  /// island_mass: largest mass of what hangs together [kg]; body_mass: of the touching body [kg].
-  PyramidLaw(double friction, double island_mass, double body_mass, int facets = Facets)
-      : friction_(friction), scale_(island_mass), largest_ratio_(largest_stiffness(body_mass, island_mass)) {
+  /// island_mass: largest mass of what hangs together [kg]; stiffness: bound on z/s in the matrix [kg].
+  PyramidLaw(double friction, double island_mass, double stiffness, int facets = Facets)
+      : friction_(friction), scale_(island_mass), largest_ratio_(stiffness) {
     if constexpr (Facets == 0) {
       facet_.resize(facets);
       direction_.resize(facets);
@@ -134,8 +136,9 @@ class PyramidLaw {
     return largest;
   }
 
-  void condense(double* k) {
-    const auto capped = [this](const graphsolve::Pair& p) { return std::min(p.z / p.s, largest_ratio_); };
+  void condense(double largest_ratio, double* k) {
+    const double cap = std::min(largest_ratio, largest_ratio_);
+    const auto capped = [cap](const graphsolve::Pair& p) { return std::min(p.z / p.s, cap); };
     normal_ratio_ = capped(normal_);
     bound_ratio_ = capped(bound_);
     double sum = bound_ratio_, along[2] = {0, 0};
@@ -186,8 +189,10 @@ class PyramidLaw {
     psi = psi_shift_ + psi * one_over_sum_;
     normal_.dz = -normal_ratio_ * (du[0] + normal_shift_);
     normal_.ds = -(normal_defect_ + normal_.s * normal_.dz) / normal_.z;
-    bound_.ds = psi;
-    bound_.dz = -(bound_defect_ + bound_.z * psi) / bound_.s;
+    // As in the other pairs: the impulse from the condensed system, the velocity from the product. The other way round
+    // a bounded ratio would turn rounding errors of psi into large impulses.
+    bound_.dz = -bound_defect_ / bound_.s - bound_ratio_ * psi;
+    bound_.ds = -(bound_defect_ + bound_.s * bound_.dz) / bound_.z;
     for (int i = 0; i < facets(); ++i) {
       auto& f = facet_[i];
       f.dz = -ratio_[i] * (slip(i, du) + psi + shift_[i]);

@@ -82,7 +82,7 @@ Simulator::Impl::Attempt Simulator::Impl::advance(double h, double to_time) {
   const double new_impulse_time = state.half_kick ? 0.5 * h : h;
   load_state_into_terms(h);
   apply_loads(new_impulse_time);
-  joints.prepare(to_time);
+  joints.prepare(to_time, new_impulse_time);
   contacts->prepare(unknowns, h, mechanism.gravity, settings.cull_contacts, *solver);
   size.contact_steps += contacts->size();
   size.culled_contacts += contacts->size() - contacts->active();

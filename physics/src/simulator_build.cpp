@@ -129,7 +129,7 @@ void Simulator::Impl::set_state(std::span<const BodyRecord> records, bool half_k
   state.potential_energy = potential_energy();
   impulse_time = 0;
   contacts->clear();
-  joints.prepare(0);
+  joints.prepare(0, dt);
   joints.reset_coordinates();
   start_correction = 0;
   for (int j = 0; j < joints.size(); ++j)

@@ -106,7 +106,7 @@ void Simulator::write_record(StepRecord& record) const {
 std::vector<std::string> Simulator::redundancies() const {
   Impl& s = *impl_;
   s.load_state_into_terms(s.dt);
-  s.joints.prepare(s.time + s.dt);
+  s.joints.prepare(s.time + s.dt, s.dt);
   const auto& factorization = s.solver->factorize_terms(s.unknowns);
   std::vector<double> y(s.unknowns.size());
   struct Group {

@@ -28,13 +28,18 @@ class Factorization {
   /// Whether the next factorizations keep that copy. Off at first.
   void keep_matrix(bool keep) { keep_matrix_ = keep; }
 
+  /// Proximal shift: every saddle row gets this part of what its neighbours added to its diagonal on top, with the
+  /// same sign. Bounds what rounding can do where neighbours are very stiff; refine() and Newton iterations take it
+  /// out again. 0 at first: the matrix is factored as it is.
+  void set_saddle_shift(double relative) { saddle_shift_ = relative; }
+
   struct Outcome {
     int dropped_rows = 0;        ///< dependent rows found inside saddle blocks and left out
     int first_bad_pivot = -1;    ///< pivot with NaN, infinity or a singular block that cannot be left out; -1: none
     [[nodiscard]] bool ok() const { return first_bad_pivot < 0; }
   };
   /// Factors all components, or one. Dependent rows of saddle blocks that the eligibility rule does not vouch for
-  /// (pivot below 1e-13 of what was added to the block) are left out: their unknowns become zero.
+  /// (pivot below 1e-11 of what was added to the block) are left out: their unknowns become zero.
   [[nodiscard]] Outcome factorize();
   [[nodiscard]] Outcome factorize(int component);
 
@@ -81,11 +86,12 @@ class Factorization {
   std::vector<int> column_exchange_;  ///< same for columns; used only where rows were dropped
   std::vector<int> rank_;             ///< per pivot
   std::vector<int> first_row_;        ///< per pivot: first row in pivot order
-  std::vector<double> reference_;     ///< per row in pivot order: largest magnitude added to a saddle diagonal
+  std::vector<double> reference_;     ///< per row in pivot order: largest amount, signed, added to a saddle diagonal
   std::vector<double> work_;          ///< of the largest block; solve_range needs none of it
   std::vector<double> residual_, magnitude_, correction_;
   std::vector<DroppedRow> dropped_;
   bool keep_matrix_ = false;
+  double saddle_shift_ = 0;
 };
 
 }  // namespace graphsolve

@@ -90,7 +90,7 @@ class InteriorPoint {
   void next_attempt(int component);
   void refreeze(int component);
   void restart_cold(int component, double velocity);
-  void factorize();
+  bool factorize();
   [[nodiscard]] bool straight_to_floor(int component) const;
   void affine_step();
   void combined_step();
@@ -115,6 +115,7 @@ class InteriorPoint {
   std::vector<char> good_;  ///< the point before the last step was a solution, but for its products
   bool restarted_ = false;
   bool scales_known_ = false;
+  bool undone_ = false;  ///< some component went back by a step
   Profile* profile_ = nullptr;
 };
 

@@ -37,8 +37,8 @@ class Nonnegative {
     return gap > r ? gap : r;
   }
   [[nodiscard]] double largest_product() const { return pair_.s * pair_.z; }
-  void condense(double* k) {
-    ratio_ = std::min(pair_.z / pair_.s, largest_ratio_);
+  void condense(double largest_ratio, double* k) {
+    ratio_ = std::min({pair_.z / pair_.s, largest_ratio_, largest_ratio});
     k[0] = ratio_;
   }
   void right_hand_side(double mu, double correction, double* f0) {

@@ -42,7 +42,8 @@ class PortBatch {
   /// By component: error = max(error, local natural residual), product = max(product, s z).
   virtual void natural_error(Instances, std::span<const double> scale, std::span<double> error,
                              std::span<double> product) const = 0;
-  virtual void condense(Instances, double* values) = 0;
+  /// values += J1^T K J2, with z/s of every pair bounded by largest_ratio (by component).
+  virtual void condense(Instances, std::span<const double> largest_ratio, double* values) = 0;
   /// rhs += J1^T f0; correction (by component) weighs the products of the last recovered step.
   virtual void right_hand_side(Instances, std::span<const double> mu, std::span<const double> correction,
                                std::span<double> rhs) = 0;
@@ -70,7 +71,7 @@ class PortBatch {
 ///   void start_warm(const double* u, double mu, double scale);  void start_cold(double velocity, double scale);
 ///   void residual(const double* u, double* f);                      local residuals; f (rows)
 ///   double natural_error(double scale) const;  double largest_product() const;
-///   void condense(double* K);                                       holds no mu
+///   void condense(double largest_ratio, double* K);                 holds no mu; z/s is bounded
 ///   void right_hand_side(double mu, double correction, double* f0);
 ///   void recover(const double* du);
 ///   double boundary_ratio() const;  double complementarity(double alpha) const;  void accept(double alpha);
@@ -134,10 +135,10 @@ class PortLawBatch final : public PortBatch {
       if (!(p <= product[c])) product[c] = p;
     }
   }
-  void condense(Instances instances, double* values) override {
+  void condense(Instances instances, std::span<const double> largest_ratio, double* values) override {
     double k[rows * rows];
     for (const int i : instances.index) {
-      laws_[i].condense(k);
+      laws_[i].condense(largest_ratio[instances.component[i]], k);
       ports_[i].add_condensed(k, values);
     }
   }

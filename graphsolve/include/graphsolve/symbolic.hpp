@@ -67,6 +67,7 @@ class Symbolic {
     int dimension;
     int row;
     int parent;
+    bool saddle;
     bool may_depend;
     int begin, end;         ///< range in the coupled list
     int coupled_rows;       ///< sum of the coupled dimensions
