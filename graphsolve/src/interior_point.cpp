@@ -12,7 +12,8 @@ constexpr double affine_from = 1e-3;   ///< below this residual the barrier goes
 constexpr double centre_below = 0.5;  ///< a step shorter than this asks for centring
 constexpr double centring = 0.5;
 constexpr double short_step = 0.15;    ///< three of these in a row end an attempt
-static const double KF=getenv("KF")?atof(getenv("KF")):1e4, KA=getenv("KA")?atof(getenv("KA")):0.1;
+constexpr double stiffest = 1e4;        ///< bound on z/s over its scale, as long as the residual is above 1e-5
+constexpr double stiffest_move = 0.1;   ///< below that the bound is this over the residual
 constexpr double refine_below = 1e-2;  ///< residual from which Newton is expected to gain a digit
 constexpr int newton_halvings = 8;
 
@@ -96,7 +97,7 @@ void InteriorPoint::evaluate_ports() {
     ports[b]->natural_error(instances, scale_, error_, product_);
   }
   for (const int c : running_) {
-    double largest = error_[c];
+    double largest = port_error_[c] = error_[c];
     each_row(c, [&](int i) {
       const double e = std::abs(residual_[i]) * row_scale_[i];
       if (!(e <= largest)) largest = e;  // a NaN must stay
@@ -211,7 +212,7 @@ bool InteriorPoint::factorize() {
   double* values = factorization_.values().data();
   // Forces that are not unique move by stiffness times residual: a stiffness of 1 / residual keeps that move finite,
   // and what it leaves undone is quadratic in the residual, as Newton's own error is.
-  for (const int c : running_) ratio_[c] = scale_[c] * std::max(KF, KA / error_[c]);
+  for (const int c : running_) ratio_[c] = scale_[c] * std::max(stiffest, stiffest_move / error_[c]);
   for (std::size_t b = 0; b < ports.size(); ++b)
     if (!port_lists_[b].running.empty()) ports[b]->condense(running(port_lists_[b]), ratio_, values);
   bool regular = true;

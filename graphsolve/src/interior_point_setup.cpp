@@ -9,7 +9,7 @@ namespace graphsolve {
 
 namespace {
 
-constexpr double saddle_shift = 1e-12;
+constexpr double saddle_shift = 1e-12;  ///< of the diagonal of a constraint's pivot block; Newton takes it out again
 constexpr int most_freezes = 40;
 
 }  // namespace
@@ -32,7 +32,7 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   for (auto* v : {&x_, &start_, &dx_, &rhs_, &residual_}) v->assign(s.rows(), 0.0);
   row_scale_.assign(problem_.row_scale().begin(), problem_.row_scale().end());
   for (auto* v : {&error_, &previous_error_, &product_, &mu_, &mu_floor_, &alpha_, &ratio_, &sum_, &correction_, &scale_,
-                  &tolerance_, &change_, &good_error_, &last_alpha_})
+                  &tolerance_, &change_, &good_error_, &last_alpha_, &port_error_})
     v->assign(components, 0.0);
   for (auto* v : {&degree_, &attempt_iterations_, &short_steps_, &halvings_, &freezes_}) v->assign(components, 0);
   trouble_.assign(components, Status::solved);
@@ -40,7 +40,7 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   good_.assign(components, 0);
   refine_.assign(components, 0);
   factorization_.allow_refinement();
-  factorization_.set_saddle_shift(getenv("SH")?atof(getenv("SH")):saddle_shift);
+  factorization_.set_saddle_shift(saddle_shift);
   reports_.resize(components);
   running_.reserve(components);
   keep_running_.reserve(components);
@@ -127,7 +127,9 @@ void InteriorPoint::start_warm() {
   bool again = false;
   for (const int c : running_) {
     if (degree_[c] == 0 || error_[c] <= tolerance_[c]) continue;
-    mu_[c] = std::clamp(0.1 * error_[c] * error_[c] * scale_[c], mu_floor_[c], scale_[c]);
+    // Rows that know nothing of the ports say little about how far these are from their path.
+    const double e = std::max(port_error_[c], 0.01 * error_[c]);
+    mu_[c] = std::clamp(0.1 * e * e * scale_[c], mu_floor_[c], scale_[c]);
     again = true;
   }
   if (!again) return;
