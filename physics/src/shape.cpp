@@ -25,15 +25,19 @@ Mat3 capsule_inertia(double r, double h, double mass) {
 Mat3 shape_inertia(const Shape& shape, double mass) {
   const double r = shape.radius, h = shape.height;
   switch (shape.type) {
-    case Shape::Type::sphere: return round(0.4 * mass * r * r, 0.4 * mass * r * r);
+    case Shape::Type::sphere:
+      return round(0.4 * mass * r * r, 0.4 * mass * r * r);
     case Shape::Type::box: {
       const Vec3 s = shape.size.cwiseAbs2();
       return Mat3((mass / 12 * Vec3(s.y() + s.z(), s.z() + s.x(), s.x() + s.y())).asDiagonal());
     }
-    case Shape::Type::cylinder: return round(mass * (3 * r * r + h * h) / 12, 0.5 * mass * r * r);
-    case Shape::Type::capsule: return capsule_inertia(r, h, mass);
+    case Shape::Type::cylinder:
+      return round(mass * (3 * r * r + h * h) / 12, 0.5 * mass * r * r);
+    case Shape::Type::capsule:
+      return capsule_inertia(r, h, mass);
     case Shape::Type::none:
-    case Shape::Type::mesh: break;
+    case Shape::Type::mesh:
+      break;
   }
   return Mat3::Zero();
 }

@@ -12,9 +12,9 @@ namespace physics {
 
 namespace {
 
-constexpr double unit_tolerance = 1e-6;      ///< vectors and quaternions this near to unit are normalised
-constexpr double inertia_tolerance = 1e-9;   ///< relative; a flat disc lies on the triangle inequality
-constexpr double largest_turn = 1.9;         ///< |w| dt; the update of a quaternion ends at 2
+constexpr double unit_tolerance = 1e-6;     ///< vectors and quaternions this near to unit are normalised
+constexpr double inertia_tolerance = 1e-9;  ///< relative; a flat disc lies on the triangle inequality
+constexpr double largest_turn = 1.9;        ///< |w| dt; the update of a quaternion ends at 2
 
 template <class... Arguments>
 [[noreturn]] void fail(fmt::format_string<Arguments...> text, Arguments&&... arguments) {
@@ -63,14 +63,14 @@ void check_unit(std::string_view thing, std::string_view key, Vec3& v) {
 /// One list of names: none empty, none twice.
 class Names {
  public:
-  explicit Names(std::string_view kind) : kind_(kind) {}
+  Names(std::string_view one, std::string_view many) : one_(one), many_(many) {}
   void add(const std::string& name, std::size_t index) {
-    if (name.empty()) fail("{} {} has no name", kind_, index);
-    if (!seen_.insert(name).second) fail("there are two {}s called '{}'", kind_, name);
+    if (name.empty()) fail("{} {} has no name", one_, index);
+    if (!seen_.insert(name).second) fail("there are two {} called '{}'", many_, name);
   }
 
  private:
-  std::string_view kind_;
+  std::string_view one_, many_;
   std::unordered_set<std::string_view> seen_;
 };
 
@@ -105,8 +105,7 @@ void check_shape(std::string_view thing, const Shape& shape) {
   using enum Shape::Type;
   if (shape.type == sphere || shape.type == cylinder || shape.type == capsule)
     check_positive(thing, "radius of its shape", shape.radius, "m");
-  if (shape.type == cylinder || shape.type == capsule)
-    check_positive(thing, "height of its shape", shape.height, "m");
+  if (shape.type == cylinder || shape.type == capsule) check_positive(thing, "height of its shape", shape.height, "m");
   if (shape.type == box && !(shape.size.allFinite() && shape.size.minCoeff() > 0))
     fail("{}: size {} m of its shape is not > 0", thing, text(shape.size));
   if (shape.type == mesh && shape.file.empty()) fail("{}: file of its shape is empty", thing);
@@ -135,10 +134,14 @@ void check_body_id(const Mechanism& mechanism, std::string_view thing, std::stri
 
 std::string_view name_of(JointType type) {
   switch (type) {
-    case JointType::fixed: return "fixed";
-    case JointType::revolute: return "revolute";
-    case JointType::prismatic: return "prismatic";
-    case JointType::spherical: return "spherical";
+    case JointType::fixed:
+      return "fixed";
+    case JointType::revolute:
+      return "revolute";
+    case JointType::prismatic:
+      return "prismatic";
+    case JointType::spherical:
+      return "spherical";
   }
   return "unknown";
 }
@@ -196,7 +199,8 @@ void check_tangent(std::string_view thing, const Vec3& normal, Vec3& tangent) {
   if (length == 0) fail("{}: tangent has length 0", thing);
   normalise(tangent, length);
   const double along = tangent.dot(normal);
-  if (1 - std::abs(along) < 1e-12) fail("{}: tangent {} is parallel to the normal {}", thing, text(tangent), text(normal));
+  if (1 - std::abs(along) < 1e-12)
+    fail("{}: tangent {} is parallel to the normal {}", thing, text(tangent), text(normal));
   if (std::abs(along) <= 4 * std::numeric_limits<double>::epsilon()) return;
   tangent -= along * normal;
   normalise(tangent, tangent.norm());
@@ -232,7 +236,7 @@ void check_load(const Mechanism& mechanism, const Load& load, std::size_t index)
 void validate(Mechanism& mechanism) {
   check_positive("scene", "time step", mechanism.time_step, "s");
   check_finite("scene", "gravity", mechanism.gravity);
-  Names bodies("body"), joints("joint"), contacts("contact");
+  Names bodies("body", "bodies"), joints("joint", "joints"), contacts("contact", "contacts");
   for (std::size_t i = 0; i < mechanism.bodies.size(); ++i) {
     Body& body = mechanism.bodies[i];
     bodies.add(body.name, i);

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <functional>
+
+/// The subcommands: each adds itself to the program and returns what to do when it was chosen.
+namespace cli {
+
+/// What the program tells the shell. Interrupted runs add the signal: 130 for SIGINT, 143 for SIGTERM.
+enum ExitCode : int { all_solved = 0, step_failed = 1, wrong_input = 2, interrupted = 128 };
+
+using Command = std::function<int()>;
+
+Command add_simulate(CLI::App& program);
+Command add_scenes(CLI::App& program);
+
+}  // namespace cli

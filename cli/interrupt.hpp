@@ -1,0 +1,10 @@
+#pragma once
+
+/// SIGINT and SIGTERM as a question that a loop can ask. The second signal ends the program at once.
+namespace cli {
+
+void catch_interrupts();
+/// The signal that came, or 0.
+int interrupt();
+
+}  // namespace cli

@@ -1,0 +1,58 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <new>
+#include <utility>
+#include <vector>
+
+#include "commands.hpp"
+#include "physics/mechanism.hpp"
+
+namespace {
+
+constexpr const char* footer = R"(Examples:
+  graphsolve scenes                                the built-in scenes and their parameters
+  graphsolve simulate snake:n=20 --out snake.json  simulate one, keep the trajectory
+  graphsolve simulate scene.toml --duration 2      simulate a file
+  graphsolve simulate --help                       all options of a command
+
+Exit code: 0 all steps solved, 1 a step failed, 2 wrong input or a file that cannot be read or written,
+130 or 143 stopped by SIGINT or SIGTERM.)";
+
+int fail(const char* sentence) {
+  fmt::print(stderr, "graphsolve: {}\n", sentence);
+  return cli::wrong_input;
+}
+
+int run(const cli::Command& command) {
+  try {
+    return command();
+  } catch (const physics::DescriptionError& error) {
+    return fail(error.what());
+  } catch (const std::bad_alloc&) {
+    return fail("not enough memory for this scene");
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App program("Exact contact dynamics of rigid bodies in maximal coordinates.", "graphsolve");
+  program.set_version_flag("--version", "graphsolve " GRAPHSOLVE_VERSION);
+  program.require_subcommand(1);
+  program.footer(footer);
+  program.failure_message([](const CLI::App*, const CLI::Error& error) {
+    return fmt::format("graphsolve: {} (see 'graphsolve --help')\n", error.what());
+  });
+  std::vector<cli::Command> commands{cli::add_simulate(program), cli::add_scenes(program)};
+  const std::vector<CLI::App*> names = program.get_subcommands([](const CLI::App*) { return true; });
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    // Help and version are errors to the library, of code 0.
+    return program.exit(error) == 0 ? cli::all_solved : cli::wrong_input;
+  }
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (names[i]->parsed()) return run(commands[i]);
+  return cli::wrong_input;
+}

@@ -1,0 +1,106 @@
+#include "report.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <utility>
+#include <vector>
+
+namespace cli {
+
+using physics::RunSummary;
+using physics::Vec3;
+
+namespace {
+
+std::string text(const Vec3& v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x(), v.y(), v.z()); }
+
+/// "1 body", "2 bodies".
+std::string counted(long long count, const char* one, const char* many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+void line(std::string& out, const char* label, const std::string& value) {
+  out += fmt::format("{:<22} {}\n", label, value);
+}
+
+std::string steps_text(const Report& report) {
+  const RunSummary& s = report.result.summary;
+  std::string text = fmt::format("{} of {} solved", s.steps, report.steps_wanted);
+  for (const auto& [status, count] : s.statuses)
+    if (status != graphsolve::Status::solved) text += fmt::format(", {} {}", count, graphsolve::name(status));
+  if (report.result.stopped && s.steps < report.steps_wanted) text += ", stopped by request";
+  text += fmt::format("; {:.6g} s simulated in {:.3g} s", s.simulated_time, s.wall_time);
+  if (s.wall_time > 0) text += fmt::format(" ({:.3g} times real time)", s.simulated_time / s.wall_time);
+  return text;
+}
+
+/// Steps that took more than one attempt, and why.
+std::string helped_text(const RunSummary& s) {
+  std::vector<std::string> parts;
+  if (s.substepped_steps) parts.push_back(fmt::format("{} with substeps", s.substepped_steps));
+  if (s.restarted_steps) parts.push_back(fmt::format("{} restarted", s.restarted_steps));
+  if (s.turned_steps) parts.push_back(fmt::format("{} with the new force direction", s.turned_steps));
+  if (s.culling_repeats) parts.push_back(fmt::format("{} repeated for a culled contact", s.culling_repeats));
+  return parts.empty() ? "none" : fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::vector<std::string> left_out(const physics::ProblemSize& size) {
+  std::vector<std::string> parts;
+  if (size.merged_bodies) parts.push_back(counted(size.merged_bodies, "body", "bodies") + ", merged by fixed joints");
+  if (size.frictionless_contacts)
+    parts.push_back("friction of " +
+                    counted(size.frictionless_contacts, "frictionless contact", "frictionless contacts"));
+  if (size.culled_contacts)
+    parts.push_back(
+        fmt::format("{:.3g} % of all contacts in all steps, out of reach",
+                    100.0 * static_cast<double>(size.culled_contacts) / static_cast<double>(size.contact_steps)));
+  if (size.newton_steps)
+    parts.push_back("interior point in " + counted(size.newton_steps, "step", "steps") + " without contact");
+  if (parts.empty()) parts.emplace_back("nothing");
+  return parts;
+}
+
+std::string time_text(const RunSummary& s) {
+  const double scale = 1e6 / std::max(1, s.steps);
+  const physics::PhaseTimes& p = s.phases;
+  return fmt::format("{:.3g} us: prepare {:.3g}, evaluate {:.3g}, factorize {:.3g}, solve {:.3g}, finish {:.3g}",
+                     p.total() * scale, p.prepare * scale, p.evaluate * scale, p.factorize * scale, p.solve * scale,
+                     p.finish * scale);
+}
+
+}  // namespace
+
+std::string for_people(const Report& report) {
+  const RunSummary& s = report.result.summary;
+  const physics::Mechanism& scene = report.mechanism;
+  std::string out;
+  line(out, "scene",
+       fmt::format("{}: {}, {}, {}; time step {} s", report.scene, counted(std::ssize(scene.bodies), "body", "bodies"),
+                   counted(std::ssize(scene.joints), "joint", "joints"),
+                   counted(std::ssize(scene.contacts), "contact", "contacts"), scene.time_step));
+  line(out, "steps", steps_text(report));
+  line(out, "iterations per step",
+       fmt::format("mean {:.3g}, max {}", static_cast<double>(s.iterations) / std::max(1, s.steps), s.most_iterations));
+  line(out, "helped steps", helped_text(s));
+  line(out, "largest residual", fmt::format("{:.3g} m/s, step {}", s.residual.value, s.residual.step));
+  if (!scene.contacts.empty())
+    line(out, "smallest distance", fmt::format("{:.3g} m, step {}", s.distance.value, s.distance.step));
+  if (!scene.joints.empty())
+    line(out, "largest joint error", fmt::format("{:.3g} m or rad, step {}", s.joint_error.value, s.joint_error.step));
+  line(out, "energy",
+       fmt::format("{:.6g} J -> {:.6g} J (change {:.3g} J)", s.energy_start, s.energy_end,
+                   s.energy_end - s.energy_start));
+  line(out, "momentum", fmt::format("{} -> {} N s", text(s.momentum_start), text(s.momentum_end)));
+  line(out, "angular momentum",
+       fmt::format("{} -> {} N m s", text(s.angular_momentum_start), text(s.angular_momentum_end)));
+  const char* label = "left out";
+  for (const std::string& part : left_out(s.size)) line(out, std::exchange(label, ""), part);
+  if (s.start_correction > 0)
+    line(out, "start correction", fmt::format("{:.3g} m/s, to agree with the joints", s.start_correction));
+  for (const std::string& sentence : s.redundancies) line(out, "redundant", sentence);
+  line(out, "CPU time per step", time_text(s));
+  return out;
+}
+
+}  // namespace cli

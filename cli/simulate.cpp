@@ -1,0 +1,198 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "commands.hpp"
+#include "interrupt.hpp"
+#include "physics/run.hpp"
+#include "physics/scene_io.hpp"
+#include "progress.hpp"
+#include "report.hpp"
+#include "scene_source.hpp"
+
+namespace cli {
+
+using physics::DescriptionError;
+
+namespace {
+
+struct Options {
+  std::string scene;
+  std::optional<int> steps, from;
+  std::optional<double> duration, time_step;
+  double tolerance = physics::SimulatorSettings{}.tolerance;
+  std::string friction_model, out, summary;
+};
+
+constexpr const char* footer = R"(Examples:
+  graphsolve simulate disc                                     a built-in scene, its summary
+  graphsolve simulate snake:n=100 --steps 500 --out snake.json
+  graphsolve simulate scene.toml --duration 2 --time-step 0.005 --out motion.csv
+  graphsolve simulate snake.json --from 200 --steps 100 --out longer.json
+
+A trajectory is a scene with its records; it can be simulated again, or continued with --from. A run that fails or
+is interrupted (Ctrl-C) keeps what it has: the trajectory so far is written and valid.
+
+Exit code: 0 all steps solved, 1 a step failed, 2 wrong input or a file that cannot be read or written,
+130 or 143 stopped by SIGINT or SIGTERM.)";
+
+/// With sentences of its own, and nothing added to the help.
+CLI::Validator at_least_zero() {
+  return {[](const std::string& text) { return text.starts_with('-') ? "must be >= 0, not " + text : std::string(); },
+          ""};
+}
+CLI::Validator positive() {
+  const auto check = [](const std::string& text) {
+    double value = 0;
+    const bool fine = CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value);
+    return fine ? std::string() : "must be a number > 0, not " + text;
+  };
+  return {check, ""};
+}
+CLI::Validator friction_model() {
+  const auto check = [](const std::string& text) {
+    return text == "pyramid" || text == "aligned" ? std::string() : "must be pyramid or aligned, not " + text;
+  };
+  return {check, ""};
+}
+
+void add_options(CLI::App& command, Options& options) {
+  command
+      .add_option("SCENE", options.scene,
+                  "A .json or .toml file, or a built-in scene with parameters (see 'graphsolve scenes')")
+      ->required()
+      ->type_name("");
+  const char* length = "Length (default: a trajectory's recorded length, a built-in scene's own, else 1 s)";
+  const char* physics = "Physics";
+  const char* output = "Output";
+  const auto add = [&](const char* group, const char* name, auto& value, const char* type, const char* help) {
+    return command.add_option(name, value, help)->type_name(type)->group(group);
+  };
+  CLI::Option* steps = add(length, "--steps", options.steps, "N", "Number of steps")->check(at_least_zero());
+  CLI::Option* duration = add(length, "--duration", options.duration, "S", "Simulated time [s]")->check(positive());
+  CLI::Option* from =
+      add(length, "--from", options.from, "K", "Continue from record K of a trajectory")->check(at_least_zero());
+  CLI::Option* time_step = add(physics, "--time-step", options.time_step, "DT", "Time step [s] (default: the scene's)");
+  CLI::Option* model = add(physics, "--friction-model", options.friction_model, "MODEL",
+                           "pyramid or aligned, for all contacts (default: each its own)");
+  add(physics, "--tolerance", options.tolerance, "T", "Residual at which a step is accepted [m/s]")
+      ->check(positive())
+      ->capture_default_str();
+  add(output, "--out", options.out, "FILE", "Trajectory: .json, or .csv for plots");
+  add(output, "--summary", options.summary, "FILE", "The summary as JSON");
+  steps->excludes(duration);
+  // A trajectory is one motion of one scene.
+  time_step->check(positive())->excludes(from);
+  model->check(friction_model())->excludes(from);
+  command.footer(footer);
+}
+
+void change(physics::Mechanism& scene, const Options& options) {
+  if (options.time_step && *options.time_step != scene.time_step) {
+    scene.time_step = *options.time_step;
+    if (!scene.loads.empty())
+      fmt::print(stderr, "graphsolve: note: loads are given in steps, so another time step changes when they act\n");
+  }
+  if (options.friction_model.empty()) return;
+  for (physics::Contact& contact : scene.contacts)
+    contact.friction_model =
+        options.friction_model == "pyramid" ? physics::FrictionModel::pyramid : physics::FrictionModel::aligned;
+}
+
+int number_of_steps(const Options& options, const SceneSource& source) {
+  if (options.steps) return *options.steps;
+  const auto& records = source.trajectory.steps;
+  const int first = options.from.value_or(0);
+  if (!options.duration && !records.empty() && records.back().step > first) return records.back().step - first;
+  const double dt = source.trajectory.mechanism.time_step;
+  // A duration that is a multiple of the time step but for rounding is one.
+  const double steps = std::ceil(options.duration.value_or(source.duration) / dt * (1 - 1e-9));
+  if (!(steps <= std::numeric_limits<int>::max()))
+    throw DescriptionError(fmt::format("a duration of {} s at a time step of {} s is {:.3g} steps, more than {}",
+                                       options.duration.value_or(source.duration), dt, steps,
+                                       std::numeric_limits<int>::max()));
+  return static_cast<int>(steps);
+}
+
+physics::Simulator make_simulator(const SceneSource& source, const Options& options) {
+  physics::SimulatorSettings settings;
+  settings.tolerance = options.tolerance;
+  try {
+    return physics::Simulator(source.trajectory.mechanism, settings);
+  } catch (const DescriptionError& error) {
+    throw DescriptionError(fmt::format("{}: {}", options.scene, error.what()));
+  }
+}
+
+/// Records before the one to continue from, and that one, are kept as they are.
+void copy_records(const physics::Trajectory& trajectory, int last, physics::TrajectoryWriter& writer) {
+  for (const physics::StepRecord& record : trajectory.steps)
+    if (record.step <= last) writer.add(record);
+}
+
+int finish(const Options& options, const physics::Simulator& simulator, const physics::RunResult& result, int steps) {
+  const Report report{options.scene, steps, options.tolerance, interrupt(), simulator.mechanism(), result};
+  fmt::print("{}", for_people(report));
+  if (!options.out.empty()) fmt::print("{:<22} {}\n", "trajectory", options.out);
+  if (!options.summary.empty()) physics::write_text_file(as_json(report), options.summary);
+  if (!result.ok()) {
+    const int failed = simulator.step_index() + 1;
+    fmt::print(stderr, "graphsolve: {}: step {} (at {:.6g} s) failed, {}: {}\n", options.scene, failed,
+               simulator.time(), graphsolve::name(result.last.status), result.last.cause);
+    return step_failed;
+  }
+  if (result.stopped && result.summary.steps < steps) {
+    fmt::print(stderr, "graphsolve: {}: stopped after step {} by signal {}\n", options.scene, simulator.step_index(),
+               interrupt());
+    return interrupted + interrupt();
+  }
+  return all_solved;
+}
+
+int simulate(const Options& options) {
+  SceneSource source = load_scene(options.scene);
+  change(source.trajectory.mechanism, options);
+  const physics::StepRecord* from =
+      options.from ? &find_record(source.trajectory, *options.from, options.scene) : nullptr;
+  const int steps = number_of_steps(options, source);
+  physics::Simulator simulator = make_simulator(source, options);
+  if (from) simulator.restart_from(*from);
+
+  if (!options.summary.empty()) physics::check_writable(options.summary);
+  std::optional<physics::TrajectoryWriter> writer;
+  physics::RunOptions run_options;
+  if (!options.out.empty()) {
+    writer.emplace(options.out, simulator.mechanism());
+    if (from) copy_records(source.trajectory, from->step, *writer);
+    run_options.record = [&](const physics::StepRecord& record) {
+      if (!from || record.step > from->step) writer->add(record);
+    };
+  }
+  catch_interrupts();
+  const physics::RunResult result = [&] {
+    Progress progress(steps);
+    const int first = simulator.step_index();
+    run_options.on_step = [&](const physics::Simulator& now, const physics::StepResult&) {
+      progress.update(now.step_index() - first);
+      return interrupt() == 0;
+    };
+    return physics::run(simulator, steps, run_options);
+  }();
+  if (writer) writer->commit();
+  return finish(options, simulator, result, steps);
+}
+
+}  // namespace
+
+Command add_simulate(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("simulate", "Simulate a scene; print a summary, write the trajectory.");
+  const auto options = std::make_shared<Options>();
+  add_options(*command, *options);
+  return [options] { return simulate(*options); };
+}
+
+}  // namespace cli

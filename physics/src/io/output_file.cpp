@@ -1,0 +1,74 @@
+#include "io/output_file.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include "physics/mechanism.hpp"
+
+namespace physics::io {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+[[noreturn]] void fail_to_write(const std::string& path, std::string_view reason) {
+  throw DescriptionError(fmt::format("cannot write '{}': {}", path, reason));
+}
+
+/// Unlike that of any other writer, in this process or another.
+std::string partial_name(const std::string& target) {
+  static std::atomic<int> count{0};
+  return fmt::format("{}.{}-{}.part", target, ::getpid(), count++);
+}
+
+}  // namespace
+
+OutputFile::OutputFile(const std::string& path) : path_(path), target_(path) {
+  std::error_code error;
+  if (path.empty() || path.ends_with('/')) fail_to_write(path, "No file name");
+  // /dev/stdout may lead to an ordinary file that belongs to somebody else.
+  const bool device = path.starts_with("/dev/");
+  if (!device && fs::is_symlink(path, error)) target_ = fs::weakly_canonical(path, error).string();
+  const fs::file_status status = fs::status(target_, error);
+  if (fs::is_directory(status)) fail_to_write(path, "Is a directory");
+  if (fs::exists(status) && ::access(target_.c_str(), W_OK) != 0) fail();
+  const fs::path folder = fs::path(target_).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder, error)) fail_to_write(path, "No such directory");
+  if (device || (fs::exists(status) && !fs::is_regular_file(status))) {
+    file_ = std::fopen(target_.c_str(), "ab");
+  } else {
+    partial_ = partial_name(target_);
+    file_ = std::fopen(partial_.c_str(), "wbx");
+  }
+  if (!file_) fail();
+}
+
+OutputFile::~OutputFile() {
+  if (file_) std::fclose(file_);
+  std::error_code error;
+  if (!partial_.empty()) fs::remove(partial_, error);
+}
+
+void OutputFile::write(std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail();
+}
+
+void OutputFile::commit() {
+  // Closing writes out what is still held back, so a full disk may show only here.
+  if (std::fclose(std::exchange(file_, nullptr)) != 0) fail();
+  if (partial_.empty()) return;
+  std::error_code error;
+  fs::rename(partial_, target_, error);
+  if (error) fail_to_write(path_, error.message());
+  partial_.clear();
+}
+
+void OutputFile::fail() { fail_to_write(path_, std::strerror(errno)); }
+
+}  // namespace physics::io

@@ -1,0 +1,62 @@
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+#include "io/read.hpp"
+#include "physics/scene_io.hpp"
+
+namespace physics {
+
+namespace {
+
+Trajectory read_document(const io::Document& document, std::string_view file) {
+  try {
+    Trajectory trajectory;
+    io::Object object(document.root);
+    io::read_mechanism(object, trajectory.mechanism);
+    if (const io::Json* steps = object.optional("steps"))
+      trajectory.steps = io::read_steps(*steps, trajectory.mechanism);
+    trajectory.mechanism.extras = object.finish();
+    return trajectory;
+  } catch (const io::ReadError& error) {
+    const std::string path = io::text(io::path_to(document.root, *error.where));
+    throw DescriptionError(fmt::format("{}:{}: {}{}{}", file, document.line_of(document.root, *error.where), path,
+                                       path.empty() ? "" : ": ", error.message));
+  }
+}
+
+std::string read_file(const std::string& path) {
+  const auto fail = [&path] {
+    throw DescriptionError(fmt::format("cannot read '{}': {}", path, std::strerror(errno)));
+  };
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
+  if (!file) fail();
+  std::string text;
+  char buffer[1 << 16];
+  while (const std::size_t read = std::fread(buffer, 1, sizeof buffer, file.get())) text.append(buffer, read);
+  if (std::ferror(file.get())) fail();
+  return text;
+}
+
+}  // namespace
+
+Trajectory parse_scene_json(std::string_view text, std::string_view file_name) {
+  return read_document(io::parse_json(text, file_name), file_name);
+}
+
+Trajectory parse_scene_toml(std::string_view text, std::string_view file_name) {
+  return read_document(io::parse_toml(text, file_name), file_name);
+}
+
+Trajectory read_scene(const std::string& path) {
+  const bool json = path.ends_with(".json");
+  if (!json && !path.ends_with(".toml"))
+    throw DescriptionError(fmt::format("cannot read '{}': a scene file ends in .json or .toml", path));
+  const std::string text = read_file(path);
+  return json ? parse_scene_json(text, path) : parse_scene_toml(text, path);
+}
+
+}  // namespace physics

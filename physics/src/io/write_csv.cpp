@@ -1,0 +1,72 @@
+#include <fmt/format.h>
+
+#include "io/write.hpp"
+
+namespace physics::io {
+
+namespace {
+
+/// Quoted when it must be.
+std::string cell(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
+void add_names(std::string& row, const std::string& thing, std::initializer_list<const char*> keys) {
+  for (const char* key : keys) row += ',' + cell(fmt::format("{}.{}", thing, key));
+}
+
+/// fmt writes the shortest form that reads back as the same bits.
+void add(std::string& row, double value) { fmt::format_to(std::back_inserter(row), ",{}", value); }
+void add(std::string& row, const Vec3& v) {
+  for (const double value : v) add(row, value);
+}
+
+}  // namespace
+
+std::string csv_header(const Mechanism& mechanism) {
+  std::string row = "step,time";
+  for (const Body& body : mechanism.bodies)
+    add_names(row, body.name, {"x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz"});
+  for (const Contact& contact : mechanism.contacts)
+    add_names(row, contact.name, {"distance", "normal_force", "friction_x", "friction_y", "friction_z"});
+  for (const Joint& joint : mechanism.joints)
+    add_names(row, joint.name, {"fx", "fy", "fz", "tx", "ty", "tz", "error", "effort"});
+  return row + ",solver.status,solver.iterations,solver.residual,solver.substeps\n";
+}
+
+/// Cells stay empty where a record says nothing.
+std::string csv_row(const StepRecord& record, const Mechanism& mechanism) {
+  std::string row = fmt::format("{},{}", record.step, record.time);
+  for (const BodyRecord& body : record.bodies) {
+    add(row, body.position);
+    for (const double q : {body.orientation.w(), body.orientation.x(), body.orientation.y(), body.orientation.z()})
+      add(row, q);
+    add(row, body.velocity);
+    add(row, body.angular_velocity);
+  }
+  for (const ContactRecord& contact : record.contacts) {
+    add(row, contact.distance);
+    add(row, contact.normal_force);
+    add(row, contact.friction_force);
+  }
+  row.append(5 * (mechanism.contacts.size() - record.contacts.size()), ',');
+  for (const JointRecord& joint : record.joints) {
+    add(row, joint.force);
+    add(row, joint.torque);
+    add(row, joint.error);
+    joint.effort ? add(row, *joint.effort) : row.push_back(',');
+  }
+  row.append(8 * (mechanism.joints.size() - record.joints.size()), ',');
+  if (const auto& solver = record.solver) {
+    fmt::format_to(std::back_inserter(row), ",{},{},{},{}", cell(solver->status), solver->iterations, solver->residual,
+                   solver->substeps);
+  } else {
+    row += ",,,,";
+  }
+  return row + '\n';
+}
+
+}  // namespace physics::io

@@ -1,0 +1,102 @@
+#include <fmt/format.h>
+
+#include <ostream>
+
+#include "io/output_file.hpp"
+#include "io/write.hpp"
+#include "physics/scene_io.hpp"
+
+namespace physics {
+
+namespace {
+
+enum class Format { json, csv };
+
+Format format_of(const std::string& path) {
+  if (path.ends_with(".json")) return Format::json;
+  if (path.ends_with(".csv")) return Format::csv;
+  throw DescriptionError(fmt::format("cannot write '{}': a trajectory file ends in .json or .csv", path));
+}
+
+/// Gives out the pieces of a trajectory in either format.
+class Pieces {
+ public:
+  Pieces(Format format, const Mechanism& mechanism) : format_(format), mechanism_(mechanism) {}
+  [[nodiscard]] std::string begin() const {
+    return format_ == Format::json ? io::json_header(mechanism_) : io::csv_header(mechanism_);
+  }
+  [[nodiscard]] std::string next(const StepRecord& record) {
+    if (format_ == Format::csv) return io::csv_row(record, mechanism_);
+    return (first_ ? (first_ = false, "") : io::json_step_separator) + io::json_step(record);
+  }
+  [[nodiscard]] std::string_view end() const { return format_ == Format::json ? io::json_footer : ""; }
+
+ private:
+  Format format_;
+  const Mechanism& mechanism_;
+  bool first_ = true;
+};
+
+void write(Format format, const Trajectory& trajectory, std::ostream& out) {
+  Pieces pieces(format, trajectory.mechanism);
+  out << pieces.begin();
+  for (const StepRecord& record : trajectory.steps) out << pieces.next(record);
+  out << pieces.end();
+}
+
+void write(Format format, const Trajectory& trajectory, const std::string& path) {
+  io::OutputFile file(path);
+  Pieces pieces(format, trajectory.mechanism);
+  file.write(pieces.begin());
+  for (const StepRecord& record : trajectory.steps) file.write(pieces.next(record));
+  file.write(pieces.end());
+  file.commit();
+}
+
+}  // namespace
+
+void write_scene_json(const Mechanism& mechanism, std::ostream& out) { out << io::json_scene(mechanism); }
+void write_scene_json(const Mechanism& mechanism, const std::string& path) {
+  write_text_file(io::json_scene(mechanism), path);
+}
+void write_trajectory_json(const Trajectory& trajectory, std::ostream& out) { write(Format::json, trajectory, out); }
+void write_trajectory_json(const Trajectory& trajectory, const std::string& path) {
+  write(Format::json, trajectory, path);
+}
+void write_trajectory_csv(const Trajectory& trajectory, std::ostream& out) { write(Format::csv, trajectory, out); }
+void write_trajectory_csv(const Trajectory& trajectory, const std::string& path) {
+  write(Format::csv, trajectory, path);
+}
+
+void write_text_file(std::string_view text, const std::string& path) {
+  io::OutputFile file(path);
+  file.write(text);
+  file.commit();
+}
+
+void check_writable(const std::string& path) { io::OutputFile file(path); }
+
+struct TrajectoryWriter::Impl {
+  Mechanism mechanism;
+  io::OutputFile file;
+  Pieces pieces;
+  Impl(const std::string& path, const Mechanism& scene)
+      : mechanism(scene), file(path), pieces(format_of(path), mechanism) {}
+};
+
+TrajectoryWriter::TrajectoryWriter(const std::string& path, const Mechanism& mechanism)
+    : impl_(std::make_unique<Impl>(path, mechanism)) {
+  impl_->file.write(impl_->pieces.begin());
+}
+TrajectoryWriter::~TrajectoryWriter() = default;
+TrajectoryWriter::TrajectoryWriter(TrajectoryWriter&&) noexcept = default;
+TrajectoryWriter& TrajectoryWriter::operator=(TrajectoryWriter&&) noexcept = default;
+
+void TrajectoryWriter::add(const StepRecord& record) { impl_->file.write(impl_->pieces.next(record)); }
+
+void TrajectoryWriter::commit() {
+  impl_->file.write(impl_->pieces.end());
+  impl_->file.commit();
+}
+
+}  // namespace physics

@@ -1,0 +1,326 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "physics/mechanism.hpp"
+
+// Every error of `validate` is provoked once; its sentence names the thing, the key and the value.
+
+namespace {
+
+using namespace physics;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Two bodies, a joint of each kind that matters, a contact, a load: all right.
+Mechanism good_scene() {
+  Mechanism scene;
+  Body body;
+  body.mass = 2;
+  body.inertia = Vec3(1, 2, 2.5).asDiagonal();
+  body.name = "disc";
+  const BodyId disc = scene.add(body);
+  body.name = "rod";
+  const BodyId rod = scene.add(body);
+  Joint knee;
+  knee.name = "knee";
+  knee.type = JointType::revolute;
+  knee.parent = disc;
+  knee.child = rod;
+  knee.motor = Motor{.stiffness = 1, .damping = 1, .limit = 2, .target = 0.0};
+  scene.add(knee);
+  Joint ball;
+  ball.name = "ball";
+  ball.type = JointType::spherical;
+  ball.child = disc;
+  scene.add(ball);
+  Contact rim;
+  rim.name = "rim";
+  rim.body = disc;
+  rim.friction = 0.5;
+  rim.tangent = Vec3::UnitX();
+  scene.add(rim);
+  Load push;
+  push.body = rod;
+  scene.add(push);
+  return scene;
+}
+
+/// What `validate` says of the good scene after a change; empty when it says nothing.
+std::string message(const std::function<void(Mechanism&)>& change) {
+  Mechanism scene = good_scene();
+  change(scene);
+  try {
+    validate(scene);
+  } catch (const DescriptionError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+#define CHANGE(statement) [](Mechanism& scene) { statement; }
+
+TEST(Validate, AcceptsAGoodScene) { EXPECT_EQ(message(CHANGE((void)scene)), ""); }
+
+TEST(Validate, NamesTheTimeStep) {
+  EXPECT_EQ(message(CHANGE(scene.time_step = 0)), "scene: time step 0 s is not > 0");
+  EXPECT_EQ(message(CHANGE(scene.time_step = nan)), "scene: time step nan s is not > 0");
+  EXPECT_EQ(message(CHANGE(scene.time_step = infinity)), "scene: time step inf s is not finite");
+}
+
+TEST(Validate, NamesGravity) {
+  EXPECT_EQ(message(CHANGE(scene.gravity.z() = -infinity)), "scene: gravity (0, 0, -inf) is not finite");
+}
+
+TEST(Validate, WantsNamesThatDiffer) {
+  EXPECT_EQ(message(CHANGE(scene.bodies[1].name = "disc")), "there are two bodies called 'disc'");
+  EXPECT_EQ(message(CHANGE(scene.joints[1].name = "knee")), "there are two joints called 'knee'");
+  EXPECT_EQ(message(CHANGE(scene.add(scene.contacts[0]))), "there are two contacts called 'rim'");
+  EXPECT_EQ(message(CHANGE(scene.bodies[1].name = "")), "body 1 has no name");
+  EXPECT_EQ(message(CHANGE(scene.contacts[0].name = "disc")), "") << "a contact may be called like a body";
+}
+
+TEST(Validate, KeepsTheNameWorldForTheGround) {
+  EXPECT_EQ(message(CHANGE(scene.bodies[0].name = "world")),
+            "body 0 is called 'world', which is the name of the ground");
+}
+
+TEST(Validate, NamesAWrongMass) {
+  EXPECT_EQ(message(CHANGE(scene.bodies[0].mass = -1)), "body 'disc': mass -1 kg is not > 0");
+  EXPECT_EQ(message(CHANGE(scene.bodies[1].mass = 0)), "body 'rod': mass 0 kg is not > 0");
+  EXPECT_EQ(message(CHANGE(scene.bodies[1].mass = nan)), "body 'rod': mass nan kg is not > 0");
+  EXPECT_EQ(message(CHANGE(scene.bodies[1].mass = infinity)), "body 'rod': mass inf kg is not finite");
+}
+
+TEST(Validate, NamesAnUnsymmetricInertia) {
+  EXPECT_EQ(message(CHANGE(scene.bodies[0].inertia(0, 2) = 0.1)),
+            "body 'disc': inertia is not symmetric ([2][0] is 0, [0][2] is 0.1)");
+}
+
+TEST(Validate, NamesAnInertiaThatIsNotPositiveDefinite) {
+  EXPECT_EQ(message(CHANGE(scene.bodies[0].inertia.setZero())),
+            "body 'disc': inertia is not positive definite (principal moments (0, 0, 0) kg m^2)");
+  EXPECT_EQ(message(CHANGE(scene.bodies[0].inertia(0, 1) = scene.bodies[0].inertia(1, 0) = 1.5)).substr(0, 68),
+            "body 'disc': inertia is not positive definite (principal moments (-0");
+  EXPECT_EQ(message(CHANGE(scene.bodies[0].inertia(1, 1) = nan)), "body 'disc': inertia is not finite");
+}
+
+TEST(Validate, NamesAnInertiaNoBodyCanHave) {
+  EXPECT_EQ(
+      message(CHANGE(scene.bodies[0].inertia(2, 2) = 3.1)),
+      "body 'disc': inertia violates the triangle inequality (principal moments (1, 2, 3.1) kg m^2: the smaller two "
+      "add up to 3)");
+}
+
+TEST(Validate, AcceptsAFlatDiscWhichLiesOnTheTriangleInequality) {
+  EXPECT_EQ(message(CHANGE(scene.bodies[0].inertia = Vec3(0.1, 0.2, 0.30000000000000004).asDiagonal())), "");
+}
+
+TEST(Validate, AcceptsAVeryThinRod) {
+  EXPECT_EQ(message(CHANGE(scene.bodies[0].inertia = Vec3(1, 1, 1e-13).asDiagonal())), "");
+}
+
+TEST(Validate, NamesValuesOfABodyThatAreNotFinite) {
+  EXPECT_EQ(message(CHANGE(scene.bodies[0].position.x() = nan)), "body 'disc': position (nan, 0, 0) is not finite");
+  EXPECT_EQ(message(CHANGE(scene.bodies[0].velocity.y() = infinity)),
+            "body 'disc': velocity (0, inf, 0) is not finite");
+  EXPECT_EQ(message(CHANGE(scene.bodies[0].angular_velocity.z() = nan)),
+            "body 'disc': angular velocity (0, 0, nan) is not finite");
+  EXPECT_EQ(message(CHANGE(scene.bodies[0].orientation.w() = nan)), "body 'disc': orientation is not finite");
+}
+
+TEST(Validate, NamesAQuaternionFarFromUnit) {
+  EXPECT_EQ(message(CHANGE(scene.bodies[0].orientation = Quat(1, 0, 0.1, 0))),
+            "body 'disc': orientation [1, 0, 0.1, 0] has length 1.00498756, not 1");
+  EXPECT_EQ(message(CHANGE(scene.joints[1].orientation = Quat(0, 0, 0, 0))),
+            "spherical joint 'ball': orientation [0, 0, 0, 0] has length 0, not 1");
+}
+
+TEST(Validate, NormalisesAQuaternionNearUnit) {
+  Mechanism scene = good_scene();
+  scene.bodies[0].orientation = Quat(1 + 5e-7, 0, 0, 0);
+  scene.joints[0].orientation = Quat(0, 1 - 5e-7, 0, 0);
+  validate(scene);
+  EXPECT_NEAR(scene.bodies[0].orientation.w(), 1, 1e-15);
+  EXPECT_NEAR(scene.joints[0].orientation.x(), 1, 1e-15);
+}
+
+TEST(Validate, ChangesNothingTheSecondTime) {
+  Mechanism scene = good_scene();
+  scene.bodies[0].orientation = Quat(0.3, 0.4, 0.5, 0.7071067);
+  scene.joints[0].axis = Vec3(1, 2, 3);
+  scene.contacts[0].normal = Vec3(0.6, 0, 0.8000001);
+  scene.contacts[0].tangent = Vec3(1, 2, 0);
+  validate(scene);
+  const Mechanism once = scene;
+  validate(scene);
+  EXPECT_EQ(scene.bodies[0].orientation.coeffs(), once.bodies[0].orientation.coeffs());
+  EXPECT_EQ(scene.joints[0].axis, once.joints[0].axis);
+  EXPECT_EQ(scene.contacts[0].normal, once.contacts[0].normal);
+  EXPECT_EQ(*scene.contacts[0].tangent, *once.contacts[0].tangent);
+}
+
+TEST(Validate, SaysWhichTimeStepASpinNeeds) {
+  EXPECT_EQ(message(CHANGE(scene.bodies[0].angular_velocity = Vec3(0, 0, 250))),
+            "body 'disc': spins at 250 rad/s; |w| dt = 2.5 must be < 1.9: use a time step below 0.0076 s");
+}
+
+TEST(Validate, NamesAWrongShape) {
+  const auto with = [](Shape shape) { return message([shape](Mechanism& scene) { scene.bodies[0].shape = shape; }); };
+  using enum Shape::Type;
+  EXPECT_EQ(with({.type = sphere, .file = ""}), "body 'disc': radius of its shape 0 m is not > 0");
+  EXPECT_EQ(with({.type = cylinder, .radius = 1, .height = -2, .file = ""}),
+            "body 'disc': height of its shape -2 m is not > 0");
+  EXPECT_EQ(with({.type = box, .size = Vec3(1, 0, 1), .file = ""}),
+            "body 'disc': size (1, 0, 1) m of its shape is not > 0");
+  EXPECT_EQ(with({.type = mesh, .file = ""}), "body 'disc': file of its shape is empty");
+}
+
+TEST(Validate, NamesAWrongAxis) {
+  EXPECT_EQ(message(CHANGE(scene.joints[0].axis.setZero())), "revolute joint 'knee': axis has length 0");
+  EXPECT_EQ(message(CHANGE(scene.joints[0].axis.x() = nan)), "revolute joint 'knee': axis (nan, 0, 1) is not finite");
+}
+
+TEST(Validate, NormalisesAnAxis) {
+  Mechanism scene = good_scene();
+  scene.joints[0].axis = Vec3(0, 3, 4);
+  validate(scene);
+  EXPECT_TRUE(scene.joints[0].axis.isApprox(Vec3(0, 0.6, 0.8), 1e-15));
+}
+
+TEST(Validate, NamesJointPointsThatAreNotFinite) {
+  EXPECT_EQ(message(CHANGE(scene.joints[0].parent_point.x() = nan)),
+            "revolute joint 'knee': parent point (nan, 0, 0) is not finite");
+  EXPECT_EQ(message(CHANGE(scene.joints[0].child_point.x() = nan)),
+            "revolute joint 'knee': child point (nan, 0, 0) is not finite");
+}
+
+TEST(Validate, NamesJointsThatConnectNothing) {
+  EXPECT_EQ(message(CHANGE(scene.joints[0].parent = scene.joints[0].child)),
+            "revolute joint 'knee': connects body 'rod' with itself");
+  EXPECT_EQ(message(CHANGE(scene.joints[1].child = world)),
+            "spherical joint 'ball': child is the world, which can only be the parent");
+  EXPECT_EQ(message(CHANGE(scene.joints[0].parent.index = 7)),
+            "revolute joint 'knee': parent 7 is not a body (the scene has 2, counted from 0)");
+  EXPECT_EQ(message(CHANGE(scene.joints[0].child.index = 2)),
+            "revolute joint 'knee': child 2 is not a body (the scene has 2, counted from 0)");
+}
+
+TEST(Validate, NamesAMotorWithNothingToDrive) {
+  EXPECT_EQ(message(CHANGE(scene.joints[1].motor.emplace())),
+            "spherical joint 'ball': has a motor, which only revolute and prismatic joints can have");
+}
+
+TEST(Validate, NamesWrongFiguresOfAMotor) {
+  EXPECT_EQ(message(CHANGE(scene.joints[0].motor->stiffness = -1)),
+            "revolute joint 'knee': motor stiffness -1 is not >= 0");
+  EXPECT_EQ(message(CHANGE(scene.joints[0].motor->stiffness = infinity)),
+            "revolute joint 'knee': motor stiffness inf is not finite");
+  EXPECT_EQ(message(CHANGE(scene.joints[0].motor->damping = nan)),
+            "revolute joint 'knee': motor damping nan is not >= 0");
+  EXPECT_EQ(message(CHANGE(scene.joints[0].motor->limit = 0)), "revolute joint 'knee': motor limit 0 is not > 0");
+  EXPECT_EQ(message(CHANGE(scene.joints[0].motor->limit = nan)), "revolute joint 'knee': motor limit nan is not > 0");
+  EXPECT_EQ(message(CHANGE(scene.joints[0].motor->limit = infinity)), "");
+}
+
+TEST(Validate, NamesAWrongTargetOfAMotor) {
+  EXPECT_EQ(message(CHANGE(scene.joints[0].motor->target = nan)),
+            "revolute joint 'knee': motor target nan is not finite");
+  EXPECT_EQ(message(CHANGE(scene.joints[0].motor->target = SineTarget{.frequency = infinity})),
+            "revolute joint 'knee': motor target frequency inf is not finite");
+  EXPECT_EQ(message(CHANGE(scene.joints[0].motor->target = TableTarget{})),
+            "revolute joint 'knee': motor target is an empty table");
+  EXPECT_EQ(message(CHANGE(scene.joints[0].motor->target = TableTarget({{0, 1}, {0.5, nan}}))),
+            "revolute joint 'knee': value 1 of the motor target nan is not finite");
+  EXPECT_EQ(message(CHANGE(scene.joints[0].motor->target = TableTarget({{0, 1}, {2, 1}, {2, 3}}))),
+            "revolute joint 'knee': times of the motor target do not increase (time 2 is 2 s after 2 s)");
+}
+
+TEST(Validate, NamesAWrongBodyOfAContact) {
+  EXPECT_EQ(message(CHANGE(scene.contacts[0].body = world)), "contact 'rim': body is the world, which nothing moves");
+  EXPECT_EQ(message(CHANGE(scene.contacts[0].body.index = 9)),
+            "contact 'rim': body 9 is not a body (the scene has 2, counted from 0)");
+}
+
+TEST(Validate, NamesAWrongPlane) {
+  EXPECT_EQ(message(CHANGE(scene.contacts[0].normal.setZero())), "contact 'rim': normal has length 0");
+  EXPECT_EQ(message(CHANGE(scene.contacts[0].normal = Vec3(0, 0, 2))),
+            "contact 'rim': normal (0, 0, 2) has length 2, not 1");
+  EXPECT_EQ(message(CHANGE(scene.contacts[0].plane_point.y() = nan)),
+            "contact 'rim': plane point (0, nan, 0) is not finite");
+  EXPECT_EQ(message(CHANGE(scene.contacts[0].point.y() = nan)), "contact 'rim': point (0, nan, 0) is not finite");
+}
+
+TEST(Validate, NamesAWrongFriction) {
+  EXPECT_EQ(message(CHANGE(scene.contacts[0].friction = -0.1)), "contact 'rim': friction -0.1 is not >= 0");
+  EXPECT_EQ(message(CHANGE(scene.contacts[0].friction = nan)), "contact 'rim': friction nan is not >= 0");
+  EXPECT_EQ(message(CHANGE(scene.contacts[0].friction = infinity)), "contact 'rim': friction inf is not finite");
+}
+
+TEST(Validate, WantsAnEvenNumberOfDirections) {
+  EXPECT_EQ(message(CHANGE(scene.contacts[0].directions = 5)),
+            "contact 'rim': directions 5 is not an even number >= 4");
+  EXPECT_EQ(message(CHANGE(scene.contacts[0].directions = 2)),
+            "contact 'rim': directions 2 is not an even number >= 4");
+}
+
+TEST(Validate, NamesATangentWithoutADirectionInThePlane) {
+  EXPECT_EQ(message(CHANGE(scene.contacts[0].tangent->setZero())), "contact 'rim': tangent has length 0");
+  EXPECT_EQ(message(CHANGE(scene.contacts[0].tangent = Vec3(0, 0, -3))),
+            "contact 'rim': tangent (0, 0, -1) is parallel to the normal (0, 0, 1)");
+  EXPECT_EQ(message(CHANGE(scene.contacts[0].tangent->x() = nan)), "contact 'rim': tangent (nan, 0, 0) is not finite");
+}
+
+TEST(Validate, TurnsATangentIntoThePlane) {
+  Mechanism scene = good_scene();
+  scene.contacts[0].tangent = Vec3(3, 4, 7);
+  validate(scene);
+  EXPECT_TRUE(scene.contacts[0].tangent->isApprox(Vec3(0.6, 0.8, 0), 1e-15));
+}
+
+TEST(Validate, NamesAWrongRadiusOfAContact) {
+  EXPECT_EQ(message(CHANGE(scene.contacts[0].radius = -1)), "contact 'rim': radius -1 is not >= 0");
+}
+
+TEST(Validate, NamesAWrongLoad) {
+  EXPECT_EQ(message(CHANGE(scene.loads[0].body = world)), "load 0: body is the world, which nothing moves");
+  EXPECT_EQ(message(CHANGE(scene.loads[0].body.index = 2)),
+            "load 0: body 2 is not a body (the scene has 2, counted from 0)");
+  EXPECT_EQ(message(CHANGE(scene.loads[0].first_step = 0)),
+            "load 0: first step 0 is not >= 1 (step 1 leads to record 1)");
+  EXPECT_EQ(message(CHANGE(scene.loads[0].first_step = 5)), "load 0: last step 1 is before the first step 5");
+  EXPECT_EQ(message(CHANGE(scene.loads[0].force.x() = nan)), "load 0: force (nan, 0, 0) is not finite");
+  EXPECT_EQ(message(CHANGE(scene.loads[0].torque.x() = nan)), "load 0: torque (nan, 0, 0) is not finite");
+}
+
+TEST(ShapeInertia, MatchesTheTextbook) {
+  using enum Shape::Type;
+  EXPECT_TRUE(shape_inertia({.type = sphere, .radius = 2, .file = ""}, 5).isApprox(8 * Mat3::Identity()));
+  EXPECT_TRUE(
+      shape_inertia({.type = box, .size = Vec3(1, 2, 3), .file = ""}, 12).isApprox(Mat3(Vec3(13, 10, 5).asDiagonal())));
+  EXPECT_TRUE(shape_inertia({.type = cylinder, .radius = 0.5, .height = 0.1, .file = ""}, 1)
+                  .isApprox(Mat3(Vec3(0.19 / 3, 0.19 / 3, 0.125).asDiagonal())));
+  EXPECT_EQ(shape_inertia({.type = mesh, .file = "a.obj"}, 1), Mat3::Zero());
+}
+
+TEST(ShapeInertia, OfACapsuleMatchesASumOverSlices) {
+  const double r = 0.3, h = 0.8;
+  const int slices = 20000;
+  double volume = 0, side = 0, axial = 0;
+  for (int i = 0; i < slices; ++i) {
+    const double dz = (h + 2 * r) / slices, z = -h / 2 - r + (i + 0.5) * dz;
+    const double outside = std::max(0.0, std::abs(z) - h / 2), area_radius2 = r * r - outside * outside;
+    volume += area_radius2 * dz;
+    axial += 0.5 * area_radius2 * area_radius2 * dz;
+    side += area_radius2 * (0.25 * area_radius2 + z * z) * dz;
+  }
+  const Mat3 inertia = shape_inertia({.type = Shape::Type::capsule, .radius = r, .height = h, .file = ""}, 3);
+  EXPECT_NEAR(inertia(0, 0), 3 * side / volume, 1e-7);
+  EXPECT_NEAR(inertia(1, 1), 3 * side / volume, 1e-7);
+  EXPECT_NEAR(inertia(2, 2), 3 * axial / volume, 1e-7);
+}
+
+}  // namespace
