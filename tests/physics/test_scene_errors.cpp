@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <random>
 #include <string>
 
+#include "everything_scene.hpp"
 #include "physics/scene_io.hpp"
 
 // Wrong files: every error says where and what, in one sentence.
@@ -158,6 +160,37 @@ TEST(SceneErrors, RecordsThatDoNotFitTheSceneAreNamed) {
   EXPECT_EQ(steps(R"({"step": 0, "bodies": []})"), "s.json:4: steps[0]: key 'time' is missing");
   const std::string three = R"({"step": 3, "time": 0, "bodies": [)" + body + "]}";
   EXPECT_EQ(steps(three + ",\n" + three), "s.json:5: steps[1]: step 3 follows step 3");
+}
+
+TEST(SceneErrors, ADamagedFileIsReadOrRefusedAndNothingElse) {
+  std::mt19937 random(11);
+  const std::string marks = "{}[]\",:-+.eE0123456789 \n\\x\xff=#'";
+  int refused = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const bool json = i % 2 == 0;
+    std::string text = json ? everything_json : everything_toml;
+    for (int change = 0; change < 1 + i % 3; ++change) {
+      const std::size_t at = random() % text.size();
+      switch (random() % 3) {
+        case 0:
+          text.erase(at, 1 + random() % 20);
+          break;
+        case 1:
+          text[at] = marks[random() % marks.size()];
+          break;
+        default:
+          text.insert(at, 1, marks[random() % marks.size()]);
+      }
+    }
+    try {
+      Trajectory trajectory = json ? parse_scene_json(text) : parse_scene_toml(text);
+      validate(trajectory.mechanism);
+    } catch (const DescriptionError& error) {
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 2000);
 }
 
 TEST(SceneErrors, FilesThatCannotBeReadAreNamed) {

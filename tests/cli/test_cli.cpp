@@ -1,0 +1,265 @@
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <thread>
+
+#include "physics/scene_io.hpp"
+#include "physics/scenes.hpp"
+
+// The program as a shell sees it: exit codes, what it prints, what it leaves behind.
+
+namespace {
+
+namespace fs = std::filesystem;
+using physics::read_scene;
+
+struct Outcome {
+  int code = -1;
+  std::string out, err;
+};
+
+/// Every test works in an empty folder of its own.
+class Cli : public testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = fs::path(testing::TempDir()) / ("graphsolve_cli_" + name);
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  [[nodiscard]] std::string text(const std::string& name) const {
+    std::ostringstream out;
+    out << std::ifstream(path(name)).rdbuf();
+    return out.str();
+  }
+  void write(const std::string& name, const std::string& content) const { std::ofstream(path(name)) << content; }
+
+  [[nodiscard]] Outcome run(const std::string& arguments) const {
+    const std::string command = "cd '" + folder_.string() + "' && '" GRAPHSOLVE_CLI "' " + arguments + " >.out 2>.err";
+    const int status = std::system(command.c_str());
+    Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : -1, text(".out"), text(".err")};
+    fs::remove(path(".out"));
+    fs::remove(path(".err"));
+    return outcome;
+  }
+
+  /// Wrong input: exit code 2, one line on stderr, nothing on stdout, nothing new in the folder.
+  [[nodiscard]] std::string refused(const std::string& arguments) const {
+    const auto before = entries();
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 2) << arguments;
+    EXPECT_EQ(outcome.out, "") << arguments;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_EQ(entries(), before) << arguments;
+    return outcome.err;
+  }
+
+  [[nodiscard]] std::vector<std::string> entries() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder_)) names.push_back(entry.path().filename());
+    return names;
+  }
+
+  /// Starts the program, sends the signal once it is stepping, and waits for its end.
+  [[nodiscard]] Outcome run_and_signal(const std::vector<std::string>& arguments, int signal) const {
+    const pid_t child = fork();
+    if (child == 0) {
+      std::vector<char*> argv{const_cast<char*>(GRAPHSOLVE_CLI)};
+      for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+      argv.push_back(nullptr);
+      if (chdir(folder_.c_str()) != 0) _exit(99);
+      if (!freopen(".out", "w", stdout) || !freopen(".err", "w", stderr)) _exit(99);
+      execv(GRAPHSOLVE_CLI, argv.data());
+      _exit(99);
+    }
+    // The unfinished file appears just before the first step.
+    const auto running = [&] {
+      for (const std::string& name : entries())
+        if (name.ends_with(".part")) return true;
+      return false;
+    };
+    for (int i = 0; i < 1000 && !running(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    kill(child, signal);
+    int status = 0;
+    waitpid(child, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text(".out"), text(".err")};
+  }
+
+  fs::path folder_;
+};
+
+constexpr const char* failing_scene = R"(
+format = "graphsolve-scene"
+version = 1
+time_step = 0.01
+[[bodies]]
+name = "box"
+mass = 1
+shape = { type = "box", size = [1, 1, 1] }
+[[loads]]
+body = "box"
+steps = [5, 5]
+torque = [0, 0, 1e9]
+)";
+
+TEST_F(Cli, SaysItsVersion) {
+  const Outcome outcome = run("--version");
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_TRUE(outcome.out.starts_with("graphsolve ")) << outcome.out;
+}
+
+TEST_F(Cli, HelpOfEveryCommandHasExamplesOrScenes) {
+  EXPECT_EQ(run("--help").code, 0);
+  const Outcome help = run("simulate --help");
+  EXPECT_EQ(help.code, 0);
+  for (const char* word : {"Examples:", "--duration", "[s]", "[m/s]", "1e-08", "Exit code:"})
+    EXPECT_NE(help.out.find(word), std::string::npos) << word;
+  const Outcome scenes = run("scenes");
+  EXPECT_EQ(scenes.code, 0);
+  for (const auto& info : physics::built_in_scenes()) EXPECT_NE(scenes.out.find(info.name), std::string::npos);
+}
+
+TEST_F(Cli, SimulatesABuiltInSceneAndSaysHowItWent) {
+  const Outcome outcome = run("simulate disc --steps 50");
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.err, "");
+  for (const char* word :
+       {"50 of 50 solved", "iterations", "smallest distance", "energy", "momentum", "left out", "us"})
+    EXPECT_NE(outcome.out.find(word), std::string::npos) << word << "\n" << outcome.out;
+  EXPECT_TRUE(entries().empty());
+}
+
+TEST_F(Cli, NamesRedundantJoints) {
+  const Outcome outcome = run("simulate four_bar --steps 1");
+  EXPECT_NE(outcome.out.find("redundant              joints 'ground-crank', "), std::string::npos) << outcome.out;
+}
+
+TEST_F(Cli, WritesATrajectoryAndASummary) {
+  ASSERT_EQ(run("simulate snake:n=3 --duration 0.2 --out t.json --summary s.json").code, 0);
+  EXPECT_EQ(read_scene(path("t.json")).steps.size(), 21u);
+  const auto summary = nlohmann::json::parse(text("s.json"));
+  EXPECT_EQ(summary.at("status"), "solved");
+  EXPECT_EQ(summary.at("steps_solved"), 20);
+  EXPECT_EQ(summary.at("bodies"), 3);
+  EXPECT_EQ(entries().size(), 2u);
+}
+
+TEST_F(Cli, WritesCsv) {
+  ASSERT_EQ(run("simulate disc --steps 3 --out t.csv").code, 0);
+  const std::string csv = text("t.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5);
+}
+
+TEST_F(Cli, SimulatesATrajectoryAgainForItsRecordedLength) {
+  ASSERT_EQ(run("simulate snake:n=3 --steps 37 --out a.json").code, 0);
+  ASSERT_EQ(run("simulate a.json --out b.json").code, 0);
+  EXPECT_EQ(text("a.json"), text("b.json"));
+}
+
+TEST_F(Cli, ContinuesATrajectoryFromARecord) {
+  // With `aligned` the friction bases of the record's contacts are not taken up again: near, but not to rounding.
+  for (const auto& [model, tolerance] : {std::pair("pyramid", 1e-9), std::pair("aligned", 1e-4)}) {
+    ASSERT_EQ(run("simulate snake:n=3,model=" + std::string(model) + " --steps 40 --out whole.json").code, 0);
+    ASSERT_EQ(run("simulate whole.json --from 25 --steps 15 --out continued.json").code, 0);
+    const auto whole = read_scene(path("whole.json")), continued = read_scene(path("continued.json"));
+    ASSERT_EQ(continued.steps.size(), 41u);
+    for (std::size_t i = 0; i < 41; ++i) {
+      const auto &expected = whole.steps[i], &found = continued.steps[i];
+      EXPECT_EQ(found.step, expected.step);
+      EXPECT_NEAR(found.time, expected.time, 1e-12);
+      for (std::size_t b = 0; b < 3; ++b)
+        EXPECT_LE((found.bodies[b].position - expected.bodies[b].position).norm(), i <= 25 ? 0 : tolerance);
+    }
+  }
+}
+
+TEST_F(Cli, TakesAnotherTimeStepAndFrictionModel) {
+  ASSERT_EQ(run("simulate disc --time-step 0.005 --friction-model pyramid --steps 2 --out t.json").code, 0);
+  const auto trajectory = read_scene(path("t.json"));
+  EXPECT_EQ(trajectory.mechanism.time_step, 0.005);
+  EXPECT_EQ(trajectory.mechanism.contacts[0].friction_model, physics::FrictionModel::pyramid);
+}
+
+TEST_F(Cli, AStepThatFailsGivesCodeOneAndKeepsTheTrajectorySoFar) {
+  write("spin.toml", failing_scene);
+  const Outcome outcome = run("simulate spin.toml --steps 20 --out t.json --summary s.json");
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_TRUE(outcome.err.starts_with("graphsolve: spin.toml: step 5 (at 0.04 s) failed, ")) << outcome.err;
+  EXPECT_EQ(read_scene(path("t.json")).steps.size(), 5u);
+  const auto summary = nlohmann::json::parse(text("s.json"));
+  EXPECT_EQ(summary.at("failed_step"), 5);
+  EXPECT_NE(summary.at("status"), "solved");
+}
+
+TEST_F(Cli, WrongOptionsAreRefusedInOneLine) {
+  EXPECT_EQ(refused(""), "graphsolve: A subcommand is required (see 'graphsolve --help')\n");
+  EXPECT_EQ(refused("simulate disc --steps -3"),
+            "graphsolve: --steps: must be >= 0, not -3 (see 'graphsolve --help')\n");
+  EXPECT_NE(refused("simulate disc --steps 3 --duration 1").find("excludes"), std::string::npos);
+  EXPECT_NE(refused("simulate disc --from 3 --time-step 1").find("excludes"), std::string::npos);
+  EXPECT_NE(refused("simulate disc --friction-model cone").find("must be pyramid or aligned, not cone"),
+            std::string::npos);
+  EXPECT_NE(refused("simulate disc --tolerance nan").find("must be a number > 0, not nan"), std::string::npos);
+  EXPECT_NE(refused("simulate disc --fast").find("--fast"), std::string::npos);
+}
+
+TEST_F(Cli, WrongScenesAreRefusedInOneLine) {
+  EXPECT_NE(refused("simulate nosuch --out t.json").find("no built-in scene 'nosuch'"), std::string::npos);
+  EXPECT_NE(refused("simulate nosuch.json").find("cannot read 'nosuch.json'"), std::string::npos);
+  write("a.json", "{\n  \"format\": 3\n}");
+  EXPECT_EQ(refused("simulate a.json --out t.json"), "graphsolve: a.json:2: format: is a number, expected text\n");
+  write("b.toml",
+        "format = \"graphsolve-scene\"\nversion = 1\ntime_step = 0.01\n"
+        "[[bodies]]\nname = \"disc\"\nmass = -1\ninertia = [1, 1, 1]\n");
+  EXPECT_EQ(refused("simulate b.toml --out t.json"), "graphsolve: b.toml: body 'disc': mass -1 kg is not > 0\n");
+}
+
+TEST_F(Cli, RecordsThatAreNotThereAreRefused) {
+  EXPECT_EQ(refused("simulate disc --from 3"), "graphsolve: disc: holds no records, so it cannot be continued\n");
+  ASSERT_EQ(run("simulate disc --steps 3 --out t.json").code, 0);
+  EXPECT_EQ(refused("simulate t.json --from 4"), "graphsolve: t.json: has no record 4 (it holds 4 between 0 and 3)\n");
+}
+
+TEST_F(Cli, PathsThatCannotBeWrittenAreRefusedBeforeSimulating) {
+  EXPECT_EQ(refused("simulate disc --out no/t.json"), "graphsolve: cannot write 'no/t.json': No such directory\n");
+  EXPECT_EQ(refused("simulate disc --out t.json --summary no/s.json"),
+            "graphsolve: cannot write 'no/s.json': No such directory\n");
+  EXPECT_NE(refused("simulate disc --out t.txt").find("ends in .json or .csv"), std::string::npos);
+}
+
+TEST_F(Cli, AFullDiskIsSaidAndGivesCodeTwo) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  fs::create_symlink("/dev/full", path("t.json"));
+  const Outcome outcome = run("simulate snake:n=20 --out t.json");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_EQ(outcome.err, "graphsolve: cannot write 't.json': No space left on device\n");
+}
+
+TEST_F(Cli, AnInterruptedRunKeepsWhatItHasAndSaysSo) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const Outcome outcome =
+        run_and_signal({"simulate", "snake:n=50", "--duration", "100000", "--out", "t.json"}, signal);
+    EXPECT_EQ(outcome.code, 128 + signal);
+    EXPECT_NE(outcome.err.find("stopped after step"), std::string::npos) << outcome.err;
+    const auto trajectory = read_scene(path("t.json"));
+    EXPECT_GT(trajectory.steps.size(), 1u);
+    EXPECT_EQ(trajectory.steps.back().step + 1, static_cast<int>(trajectory.steps.size()));
+    for (const std::string& name : entries()) EXPECT_FALSE(name.ends_with(".part")) << name;
+    fs::remove(path("t.json"));
+  }
+}
+
+}  // namespace
