@@ -171,6 +171,27 @@ void Contacts::clear() {
   for (Entry& entry : contacts_) entry.active = entry.loaded = false;
 }
 
+void Contacts::load_record(std::span<const ContactRecord> records, double impulse_time) {
+  for (Entry& entry : contacts_) {
+    const ContactRecord& record = records[entry.source];
+    visit(entry, [&](auto& port, auto& law) {
+      entry.active = record.normal_force > 0;
+      if constexpr (std::decay_t<decltype(port)>::rows == 3) {
+        if (entry.aligned && record.tangent) port.set_tangent(*record.tangent);
+        if (static_cast<int>(record.facet_forces.size()) != law.facets()) {
+          entry.active = false;
+          return;
+        }
+        facet_impulses_.assign(record.facet_forces.begin(), record.facet_forces.end());
+        for (double& impulse : facet_impulses_) impulse *= impulse_time;
+        law.set_impulses(record.normal_force * impulse_time, facet_impulses_);
+      } else {
+        law.set_force(record.normal_force * impulse_time);
+      }
+    });
+  }
+}
+
 void Contacts::write_record(std::span<ContactRecord> records, double impulse_time) const {
   for (std::size_t k = 0; k < world_contacts_.size(); ++k) {
     records[world_contacts_[k]] = {};

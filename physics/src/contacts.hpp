@@ -38,6 +38,8 @@ class Contacts {
   void write_record(std::span<ContactRecord> records, double impulse_time) const;
   /// After the state was set from outside: no contact remembers a force.
   void clear();
+  /// Takes up forces and friction bases of a record; impulse_time: of the step that made them [s].
+  void load_record(std::span<const ContactRecord> records, double impulse_time);
 
  private:
   enum class Batch { four, any, none };
@@ -66,6 +68,7 @@ class Contacts {
   std::vector<double> world_distance_;
   std::vector<int> list_[3];
   int batch_number_[3] = {-1, -1, -1};
+  std::vector<double> facet_impulses_;  ///< scratch of load_record
   int active_count_ = 0;
 };
 

@@ -119,10 +119,14 @@ void Joints::jacobian(const Joint& joint, const Pose& a, const Pose& b, Matrix6&
   }
   if (!joint.motor) return;
   if (g.type == JointType::revolute) {
+    // Derivative of 2 atan2(axis . v, w), exact off the hinge's manifold too.
+    const Quat e = relative_rotation(g, a, b);
+    const double along = g.axis.dot(e.vec()), square = e.w() * e.w() + along * along;
+    const Vec3 even = (e.w() * e.w() * g.axis + along * e.vec()) / square, odd = e.w() / square * g.axis.cross(e.vec());
     child.row(5).setZero();
-    child.row(5).tail<3>() = g.axis.transpose() * a.rotation.transpose() * b.rotation * b.turn;
+    child.row(5).tail<3>() = (even + odd).transpose() * g.orientation.toRotationMatrix() * b.turn;
     parent.row(5).setZero();
-    parent.row(5).tail<3>() = -g.axis.transpose() * a.turn;
+    parent.row(5).tail<3>() = -(even - odd).transpose() * a.turn;
   } else {
     const Vec3 arm = a.rotation.transpose() * (b.x + b.rotation * g.child_point - a.x);
     const Eigen::RowVector3d axis = g.axis.transpose() * a.rotation.transpose();

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <type_traits>
 #include <vector>
 
@@ -62,6 +63,13 @@ class PyramidLaw {
   void clear() {
     normal_.z = bound_.z = 0;
     for (auto& f : facet_) f.z = 0;
+  }
+  /// Takes up the impulses of an earlier step, facets in order.
+  void set_impulses(double normal, std::span<const double> facet_impulses) {
+    normal_.z = normal;
+    double sum = 0;
+    for (int i = 0; i < facets(); ++i) sum += facet_[i].z = facet_impulses[i];
+    bound_.z = std::max(friction_ * normal - sum, 0.0);
   }
   /// After the tangents have turned: the same friction impulse, given in the new ones, on the nearest facets.
   void split_friction(const double* t) {

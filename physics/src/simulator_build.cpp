@@ -151,8 +151,19 @@ void Simulator::restart_from(const StepRecord& record) {
   if (record.bodies.size() != s.mechanism.bodies.size())
     throw DescriptionError(fmt::format("record {}: {} bodies, the scene has {}", record.step, record.bodies.size(),
                                        s.mechanism.bodies.size()));
+  for (std::size_t k = 0; k < record.bodies.size(); ++k) {
+    const BodyRecord& body = record.bodies[k];
+    const bool finite = body.position.allFinite() && body.velocity.allFinite() && body.angular_velocity.allFinite();
+    if (!finite || !(std::abs(body.orientation.norm() - 1) < 1e-6))
+      throw DescriptionError(fmt::format("record {}: body '{}' has a value that is not finite or a quaternion that is "
+                                         "not a unit one", record.step, s.mechanism.bodies[k].name));
+  }
   s.set_state(record.bodies, false);
-  if (record.solver && record.solver->substeps > 1) s.state.time_step = s.dt / record.solver->substeps;
+  const int substeps = record.solver ? std::max(1, record.solver->substeps) : 1;
+  s.state.time_step = s.dt / substeps;
+  // Forces of the record make the start warm and keep the friction basis; a start without them is only colder.
+  if (record.contacts.size() == s.mechanism.contacts.size())
+    s.contacts->load_record(record.contacts, s.state.time_step);
   s.step_index = record.step;
   s.time = record.time;
   s.last = {};

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "physics/scene_io.hpp"
 #include "physics/simulator.hpp"
 #include "support/reference_files.hpp"
 
@@ -35,14 +36,22 @@ std::string extra(const Extras& extras, const std::string& key) {
   return "";
 }
 
+Trajectory read(const std::string& name) {
+  return read_scene(std::string(GRAPHSOLVE_SOURCE_DIR) + "/tests/data/reference/" + name + ".json");
+}
+
 class Reference : public testing::TestWithParam<std::string> {
  protected:
-  static constexpr double tolerance = 1e-11;
+  static SimulatorSettings settings() {
+    SimulatorSettings s;
+    s.tolerance = 1e-11;
+    return s;
+  }
 };
 
 TEST_P(Reference, OneStepFromEveryStoredRecordReproducesTheVelocity) {
-  const Trajectory file = reference::read(GetParam());
-  Simulator simulator(file.mechanism, {.tolerance = tolerance});
+  const Trajectory file = read(GetParam());
+  Simulator simulator(file.mechanism, settings());
   const double allowed = GetParam() == "mass_ratio_1e4" ? 1e-6 : 1e-8;
   int compared = 0;
   double worst = 0;
@@ -66,10 +75,10 @@ TEST_P(Reference, OneStepFromEveryStoredRecordReproducesTheVelocity) {
 }
 
 TEST_P(Reference, PathFromTheStartIsReproduced) {
-  const Trajectory file = reference::read(GetParam());
+  const Trajectory file = read(GetParam());
   const std::string first = extra(file.mechanism.extras, "x_first_nonunique");
   const int until = first.empty() || first == "null" ? file.steps.back().step : std::stoi(first) - 1;
-  Simulator simulator(file.mechanism, {.tolerance = tolerance});
+  Simulator simulator(file.mechanism, settings());
   StepRecord record;
   double worst = 0;
   for (const StepRecord& expected : file.steps) {
@@ -87,6 +96,6 @@ TEST_P(Reference, PathFromTheStartIsReproduced) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Oracle, Reference, testing::ValuesIn(reference::names()),
-                         [](const auto& info) { return info.param; });
+                         [](const auto& test) { return test.param; });
 
 }  // namespace
