@@ -99,9 +99,10 @@ bool Factorization::factorize_pivot(int k, Outcome& outcome) {
       diagonal[i * (d + 1)] += saddle_shift_ * reference[i];
       reference[i] = std::abs(reference[i]);
     }
-  if (p.may_depend) std::copy_n(diagonal, d * d, work_.data());
+  const bool look_for_dependence = p.may_depend && saddle_shift_ == 0;  // a shifted block is regular
+  if (look_for_dependence) std::copy_n(diagonal, d * d, work_.data());
   const double smallest = kernels::factor_kernel(d)(diagonal, row_exchange_.data() + row, d);
-  if (p.may_depend && !std::isnan(smallest) && !(smallest > dependent * *std::max_element(reference, reference + d))) {
+  if (look_for_dependence && !std::isnan(smallest) && !(smallest > dependent * *std::max_element(reference, reference + d))) {
     std::copy_n(work_.data(), d * d, diagonal);
     rank_[k] = factor_rank_revealing(diagonal, d, reference, dependent, row_exchange_.data() + row,
                                      column_exchange_.data() + row, work_.data() + d * d);

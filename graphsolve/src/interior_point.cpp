@@ -15,6 +15,7 @@ constexpr double short_step = 0.15;    ///< three of these in a row end an attem
 constexpr double stiffest = 1e4;        ///< bound on z/s over its scale, as long as the residual is above 1e-5
 constexpr double stiffest_move = 0.1;   ///< below that the bound is this over the residual
 constexpr double refine_below = 1e-2;  ///< residual from which Newton is expected to gain a digit
+constexpr int most_polishes = 3;
 constexpr int newton_halvings = 8;
 
 /// Adds its life time to one phase of the profile; costs nothing without one.
@@ -149,7 +150,13 @@ void InteriorPoint::judge_component(int c) {
     return;
   }
   if (unsound(c)) return;
-  good_[c] = error_[c] <= tolerance_[c];
+  // Products that do not fall in a few steps belong to forces that are not unique; rounding keeps them up.
+  const bool polishing_ends = good_[c] >= most_polishes || (good_[c] > 0 && alpha_[c] < centre_below);
+  if (error_[c] <= tolerance_[c] && polishing_ends) {
+    end(c);
+    return;
+  }
+  good_[c] = static_cast<char>(error_[c] <= tolerance_[c] ? good_[c] + 1 : 0);
   good_error_[c] = error_[c];
   if (degree_[c] == 0 && backtrack(c)) return;
   if (attempt_iterations_[c] >= settings_.max_iterations) trouble_[c] = Status::max_iterations;

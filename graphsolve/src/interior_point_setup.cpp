@@ -210,7 +210,9 @@ const Factorization& InteriorPoint::factorize_terms(std::span<const double> x) {
   const auto terms = problem_.terms();
   double* values = factorization_.values().data();
   for (std::size_t b = 0; b < terms.size(); ++b) terms[b]->evaluate(running(term_lists_[b]), x_, residual_, values);
+  factorization_.set_saddle_shift(0);  // dependent rows are to be seen
   (void)factorization_.factorize();
+  factorization_.set_saddle_shift(saddle_shift);
   return factorization_;
 }
 

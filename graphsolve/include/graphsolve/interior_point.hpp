@@ -112,7 +112,7 @@ class InteriorPoint {
   std::vector<Status> trouble_;  ///< why the present attempt has to end; solved: it need not
   std::vector<Phase> phase_;
   std::vector<char> refine_;  ///< solutions of the linear system are refined
-  std::vector<char> good_;  ///< the point before the last step was a solution, but for its products
+  std::vector<char> good_;  ///< number of points in a row, the last one included, that were solutions but for their products
   bool restarted_ = false;
   bool scales_known_ = false;
   bool undone_ = false;  ///< some component went back by a step
