@@ -141,8 +141,8 @@ int finish(const Options& options, const physics::Simulator& simulator, const ph
   if (!options.summary.empty()) physics::write_text_file(as_json(report), options.summary);
   if (!result.ok()) {
     const int failed = simulator.step_index() + 1;
-    fmt::print(stderr, "graphsolve: {}: step {} (at {:.6g} s) failed, {}: {}\n", options.scene, failed,
-               simulator.time(), graphsolve::name(result.last.status), result.last.cause);
+    fmt::print(stderr, "graphsolve: {}: step {} (at {:.6g} s) failed, {} at {}: {}\n", options.scene, failed,
+               simulator.time(), graphsolve::name(result.last.status), simulator.failure_place(), result.last.cause);
     return step_failed;
   }
   if (result.stopped && result.summary.steps < steps) {

@@ -155,6 +155,32 @@ void InteriorPoint::restart_cold(int c, double velocity) {
     ports[b]->start_cold(of_component(port_lists_[b], c), velocity, scale_);
 }
 
+/// Finds where the residual of a component that failed is largest; a NaN counts as largest.
+void InteriorPoint::blame(int c) {
+  const Symbolic& s = factorization_.symbolic();
+  ComponentReport& report = reports_[c];
+  double largest = -1;
+  for (int k = s.component_begin(c); k < s.component_begin(c + 1); ++k)
+    for (int i = s.row(k); i < s.row(k) + s.dimension(k); ++i) {
+      const double e = std::abs(residual_[i]) * row_scale_[i];
+      if (e <= largest || std::isnan(largest)) continue;
+      largest = e;
+      report.worst_node = s.node(k);
+    }
+  const auto ports = problem_.ports();
+  for (std::size_t b = 0; b < ports.size(); ++b)
+    for (const int i : of_component(port_lists_[b], c).index) {
+      if (std::isnan(largest)) return;
+      error_[c] = product_[c] = 0;
+      ports[b]->natural_error({{&i, 1}, port_lists_[b].component}, scale_, error_, product_);
+      if (error_[c] <= largest) continue;
+      largest = error_[c];
+      report.worst_node = {};
+      report.worst_batch = static_cast<int>(b);
+      report.worst_instance = i;
+    }
+}
+
 /// Ladder: warm, cold at 1 m/s, cold at another scale, frozen couplings, end.
 void InteriorPoint::next_attempt(int c) {
   const Status cause = trouble_[c];
@@ -166,6 +192,7 @@ void InteriorPoint::next_attempt(int c) {
   }
   if (degree_[c] == 0 || reports_[c].attempts == 4) {
     reports_[c].status = cause;
+    blame(c);
     attempt_iterations_[c] = -1;
     for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->restore(of_component(port_lists_[b], c));
     return;

@@ -158,6 +158,12 @@ int Contacts::put_back(graphsolve::InteriorPoint& solver) {
   return count;
 }
 
+int Contacts::source(int batch, int instance) const {
+  for (const Entry& entry : contacts_)
+    if (batch_number_[static_cast<int>(entry.batch)] == batch && entry.index == instance) return entry.source;
+  return -1;
+}
+
 double Contacts::smallest_distance() const {
   double smallest = std::numeric_limits<double>::infinity();
   for (const Entry& entry : contacts_)

@@ -25,6 +25,8 @@ class Contacts {
   /// Contacts of bodies that are part of the world are left out altogether.
   [[nodiscard]] int size() const { return static_cast<int>(contacts_.size()); }
   [[nodiscard]] int frictionless() const { return none_.size(); }
+  /// Index in Mechanism::contacts of an instance of a batch, as the problem numbers them; -1: none.
+  [[nodiscard]] int source(int batch, int instance) const;
   [[nodiscard]] int active() const { return active_count_; }
 
   /// Before a step: distances, culling, tangents, force directions, lists of the solver.

@@ -117,6 +117,7 @@ Simulator::Impl::Attempt Simulator::Impl::solve() {
       attempt.iterations += report.iterations;
       attempt.restarts += report.attempts - 1;
       attempt.residual = std::max(attempt.residual, report.residual);
+      if (report.status != Status::solved) failure = report;
     }
     if (attempt.status != Status::solved || contacts->put_back(*solver) == 0) return attempt;
     ++attempt.culling_repeats;

@@ -65,6 +65,7 @@ struct Simulator::Impl {
   double time = 0;
   double start_correction = 0;
   StepResult last;
+  graphsolve::ComponentReport failure;  ///< of the last component that failed
   PhaseTimes times;
   graphsolve::Profile profile;
   ProblemSize size;

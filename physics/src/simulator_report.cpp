@@ -102,6 +102,20 @@ void Simulator::write_record(StepRecord& record) const {
                                .new_force_direction = s.last.new_force_direction};
 }
 
+std::string Simulator::failure_place() const {
+  const Impl& s = *impl_;
+  const auto& failure = s.failure;
+  if (s.last.ok()) return "";
+  std::string thing;
+  if (failure.worst_node.index >= 0) {
+    const bool body = failure.worst_node.index < s.bodies.size();
+    thing = fmt::format("{} '{}'", body ? "body" : "joint", s.problem->graph().name(failure.worst_node));
+  } else if (const int contact = s.contacts->source(failure.worst_batch, failure.worst_instance); contact >= 0) {
+    thing = fmt::format("contact '{}'", s.mechanism.contacts[contact].name);
+  }
+  return fmt::format("{} (residual {:.2g} m/s)", thing, failure.residual);
+}
+
 /// Groups dependent joint rows: two that share a joint belong together.
 std::vector<std::string> Simulator::redundancies() const {
   Impl& s = *impl_;

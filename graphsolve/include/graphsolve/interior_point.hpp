@@ -23,6 +23,10 @@ struct ComponentReport {
   int attempts = 1;        ///< 1: warm start; 2, 3: cold starts; 4: frozen couplings first
   int dropped_rows = 0;    ///< dependent constraint rows left out by the last factorization
   double residual = 0;     ///< natural residual at the end
+  // Where an unsolved component is worst: rows of a node, or an instance of a port batch.
+  NodeId worst_node;       ///< index -1: it is a port
+  int worst_batch = -1;    ///< as numbered by Problem::add
+  int worst_instance = -1;
 };
 
 /// CPU seconds spent in the phases of all solves; filled when given to InteriorPoint::set_profile.
@@ -90,6 +94,7 @@ class InteriorPoint {
   void next_attempt(int component);
   void refreeze(int component);
   void restart_cold(int component, double velocity);
+  void blame(int component);
   bool factorize();
   [[nodiscard]] bool straight_to_floor(int component) const;
   void affine_step();

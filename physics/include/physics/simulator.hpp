@@ -71,6 +71,9 @@ class Simulator {
   /// Advances by one time step, or reports why not and keeps the state.
   [[nodiscard]] StepResult step();
 
+  /// After a failed step: where the solver got stuck, "joint 'knee' (residual 0.02 m/s)".
+  [[nodiscard]] std::string failure_place() const;
+
   /// Continues from a record of this scene (always `standard`).
   void restart_from(const StepRecord& record);
 
