@@ -1,0 +1,63 @@
+#include "support/campaign.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+/// Runs the campaign of extremes and lists every step that failed. Exit code 0: none failed and the certificate
+/// refuted none; 1: some did.
+///   campaign --steps 100000 --seed 1 --json campaign.json
+namespace {
+
+nlohmann::json to_json(const campaign::Report& report) {
+  nlohmann::json out;
+  const auto add = [](const campaign::Count& c) {
+    return nlohmann::json{{"family", c.family},           {"scenes", c.scenes},
+                          {"steps", c.steps},             {"failures", c.failures},
+                          {"substepped", c.substepped},   {"restarted", c.restarted},
+                          {"turned", c.turned},           {"culling_repeats", c.culling_repeats},
+                          {"iterations", c.iterations},   {"most_iterations", c.most_iterations},
+                          {"distance", c.distance},       {"joint_error", c.joint_error},
+                          {"certificate", c.certificate}, {"certified", c.certified},
+                          {"refuted", c.refuted},         {"seconds", c.seconds}};
+  };
+  for (const auto& count : report.counts) out["families"].push_back(add(count));
+  out["all"] = add(report.total());
+  const auto list = [](const std::vector<campaign::Incident>& incidents) {
+    nlohmann::json items = nlohmann::json::array();
+    for (const auto& i : incidents)
+      items.push_back({{"family", i.family}, {"scene", i.scene}, {"step", i.step}, {"status", i.status}, {"value", i.value}});
+    return items;
+  };
+  out["failures"] = list(report.failures);
+  out["refutations"] = list(report.refutations);
+  return out;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Scenes with one thing far out of the ordinary: what fails, and what it took."};
+  campaign::Options options;
+  std::string json;
+  app.add_option("--steps", options.steps, "time steps in all")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--steps-of-scene", options.steps_of_scene, "at most, of one scene")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--seed", options.seed, "of the scenes")->capture_default_str();
+  app.add_option("--tolerance", options.settings.tolerance, "[m/s]")->capture_default_str();
+  app.add_option("--family", options.families, "only these");
+  app.add_flag("!--no-certify", options.certify, "do not judge every step by the certificate");
+  app.add_option("--json", json, "also write the figures to this file");
+  CLI11_PARSE(app, argc, argv);
+  const campaign::Report report = campaign::run(options);
+  std::cout << report;
+  if (!json.empty()) {
+    std::ofstream file(json);
+    file << to_json(report).dump(1) << '\n';
+    if (!file) {
+      std::cerr << "cannot write '" << json << "'\n";
+      return 2;
+    }
+  }
+  return report.failures.empty() && report.refutations.empty() ? 0 : 1;
+}

@@ -1,0 +1,161 @@
+#include "support/campaign.hpp"
+
+#include <fmt/ostream.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "support/certificate.hpp"
+
+namespace campaign {
+
+using namespace physics;
+
+namespace {
+
+/// What rounding alone may do to the certificate [m/s]: of positions over dt, and of the impulses of the step,
+/// which the records hold with 16 digits, over the mass they act on.
+double rounding(const Mechanism& mechanism, const StepRecord& before, const StepRecord& after) {
+  constexpr double eps = 2.2e-16;
+  const double dt = mechanism.time_step;
+  double position = 0, impulse = 0, speed = 0, lightest = 1e300;
+  for (std::size_t i = 0; i < mechanism.bodies.size(); ++i) {
+    position = std::max(position, before.bodies[i].position.lpNorm<Eigen::Infinity>());
+    speed = std::max(speed, after.bodies[i].velocity.norm());
+    lightest = std::min(lightest, mechanism.bodies[i].mass);
+  }
+  for (const JointRecord& joint : after.joints) impulse = std::max(impulse, dt * joint.force.norm());
+  for (const ContactRecord& contact : after.contacts) impulse = std::max(impulse, dt * contact.normal_force);
+  return 32 * eps * ((position + 1) / dt + speed + impulse / lightest);
+}
+
+class Runner {
+ public:
+  Runner(const Options& options, Report& report) : options_(options), report_(report) {}
+
+  /// Runs one scene until it ends, fails, or `budget` steps are made. Returns the steps made, the failed one too.
+  int run_scene(const Family& family, Count& count, int index, int budget) {
+    Simulator simulator(scene(family, options_.seed, index), options_.settings);
+    ++count.scenes;
+    StepRecord before, after;
+    simulator.write_record(before);
+    int made = 0;
+    while (made < budget) {
+      const auto begin = std::chrono::steady_clock::now();
+      const StepResult result = simulator.step();
+      count.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      ++made;
+      add(count, simulator, result);
+      if (!result.ok()) {
+        // The state is kept, so that the same step would fail again.
+        ++count.failures;
+        report_.failures.push_back({family.name, index, simulator.step_index() + 1,
+                                    std::string(graphsolve::name(result.status)), result.residual});
+        break;
+      }
+      if (!options_.certify) continue;
+      simulator.write_record(after);
+      certify(family, index, count, simulator.mechanism(), before, after);
+      std::swap(before, after);
+    }
+    return made;
+  }
+
+ private:
+  static void add(Count& count, const Simulator& simulator, const StepResult& result) {
+    ++count.steps;
+    count.substepped += result.substeps > 1;
+    count.restarted += result.restarts > 0;
+    count.turned += result.new_force_direction;
+    count.culling_repeats += result.culling_repeats;
+    count.iterations += result.iterations;
+    count.most_iterations = std::max(count.most_iterations, result.iterations);
+    // Written so that NaN replaces anything.
+    if (!(simulator.smallest_distance() >= count.distance)) count.distance = simulator.smallest_distance();
+    if (!(simulator.largest_joint_error() <= count.joint_error)) count.joint_error = simulator.largest_joint_error();
+  }
+
+  void certify(const Family& family, int index, Count& count, const Mechanism& mechanism, const StepRecord& before,
+               const StepRecord& after) {
+    const certificate::Certificate verdict = certificate::certify_step(mechanism, before, after);
+    const auto worst = verdict.worst();
+    const double excess = worst.value / (options_.settings.tolerance + rounding(mechanism, before, after));
+    ++count.certified;
+    if (!(excess <= count.certificate)) count.certificate = excess;
+    if (excess <= 1) return;
+    ++count.refuted;
+    report_.refutations.push_back({family.name, index, after.step, worst.what, excess});
+  }
+
+  const Options& options_;
+  Report& report_;
+};
+
+}  // namespace
+
+Report run(const Options& options) {
+  Report report;
+  std::vector<const Family*> chosen;
+  for (const Family& family : families())
+    if (options.families.empty() || std::ranges::find(options.families, family.name) != options.families.end())
+      chosen.push_back(&family);
+  Runner runner(options, report);
+  for (std::size_t f = 0; f < chosen.size(); ++f) {
+    Count& count = report.counts.emplace_back();
+    count.family = chosen[f]->name;
+    const int share = options.steps / static_cast<int>(chosen.size());
+    for (int index = 0, made = 0; made < share; ++index)
+      made += runner.run_scene(*chosen[f], count, index, std::min(options.steps_of_scene, share - made));
+  }
+  return report;
+}
+
+Count Report::total() const {
+  Count sum;
+  sum.family = "all";
+  for (const Count& c : counts) {
+    sum.scenes += c.scenes;
+    sum.steps += c.steps;
+    sum.failures += c.failures;
+    sum.substepped += c.substepped;
+    sum.restarted += c.restarted;
+    sum.turned += c.turned;
+    sum.culling_repeats += c.culling_repeats;
+    sum.iterations += c.iterations;
+    sum.most_iterations = std::max(sum.most_iterations, c.most_iterations);
+    sum.distance = std::min(sum.distance, c.distance);
+    sum.joint_error = std::max(sum.joint_error, c.joint_error);
+    sum.certificate = std::max(sum.certificate, c.certificate);
+    sum.certified += c.certified;
+    sum.refuted += c.refuted;
+    sum.seconds += c.seconds;
+  }
+  return sum;
+}
+
+std::ostream& operator<<(std::ostream& out, const Report& report) {
+  fmt::print(out, "{:<12}{:>7}{:>8}{:>6}{:>8}{:>8}{:>7}{:>7}{:>7}{:>10}{:>10}{:>9}{:>8}{:>8}\n", "family", "scenes",
+             "steps", "fail", "substep", "restart", "turned", "it", "max", "dist/m", "joint/m", "cert/bar", "refuted",
+             "time/s");
+  const auto line = [&](const Count& c) {
+    fmt::print(out, "{:<12}{:>7}{:>8}{:>6}{:>8}{:>8}{:>7}{:>7.2f}{:>7}{:>10.1e}{:>10.1e}{:>9.2g}{:>8}{:>8.2f}\n",
+               c.family, c.scenes, c.steps, c.failures, c.substepped, c.restarted, c.turned,
+               static_cast<double>(c.iterations) / std::max(c.steps, 1), c.most_iterations, c.distance, c.joint_error,
+               c.certificate, c.refuted, c.seconds);
+  };
+  for (const Count& c : report.counts) line(c);
+  line(report.total());
+  for (const Incident& i : report.failures)
+    fmt::print(out, "failed: {} scene {} step {}: {} (residual {:.1e})\n", i.family, i.scene, i.step, i.status, i.value);
+  std::pair<std::string, int> listed;  // a scene that is refuted once often is in the rest of its steps too
+  for (const Incident& i : report.refutations) {
+    if (listed == std::pair(i.family, i.scene)) continue;
+    listed = {i.family, i.scene};
+    fmt::print(out, "refuted: {} scene {} from step {}: {} ({:.1e} of what is allowed)\n", i.family, i.scene, i.step,
+               i.status, i.value);
+  }
+  return out;
+}
+
+}  // namespace campaign
