@@ -63,10 +63,39 @@ double factor(double* a, int* rows, int d_) {
   return smallest;
 }
 
+/// C columns of X := A^-1 X at once: the chain of dependent operations is walked once for all of them.
+template <int D, int C>
+void solve_columns(const double* a, const int* rows, double* x) {
+  double t[D][C];
+  for (int p = 0; p < D; ++p)
+    for (int c = 0; c < C; ++c) t[p][c] = x[c * D + p];
+  for (int p = 0; p < D; ++p)
+    if (rows[p] != p)
+      for (int c = 0; c < C; ++c) std::swap(t[p][c], t[rows[p]][c]);
+  for (int p = 0; p < D; ++p)
+    for (int i = p + 1; i < D; ++i)
+      for (int c = 0; c < C; ++c) t[i][c] -= a[p * D + i] * t[p][c];
+  for (int p = D - 1; p >= 0; --p) {
+    for (int c = 0; c < C; ++c) t[p][c] *= a[p * D + p];
+    for (int i = 0; i < p; ++i)
+      for (int c = 0; c < C; ++c) t[i][c] -= a[p * D + i] * t[p][c];
+  }
+  for (int p = 0; p < D; ++p)
+    for (int c = 0; c < C; ++c) x[c * D + p] = t[p][c];
+}
+
 /// X (d x n) := A^-1 X with the result of factor().
 template <int D>
 void solve_block(const double* a, const int* rows, double* x, int d_, int n) {
   const int d = D ? D : d_;
+  if constexpr (D > 0) {
+    for (; n >= 4; n -= 4, x += 4 * D) solve_columns<D, 4>(a, rows, x);
+    if (n >= 2) {
+      solve_columns<D, 2>(a, rows, x);
+      n -= 2;
+      x += 2 * D;
+    }
+  }
   for (int c = 0; c < n; ++c, x += d) {
     for (int p = 0; p < d; ++p)
       if (rows[p] != p) std::swap(x[p], x[rows[p]]);
