@@ -61,14 +61,16 @@ void Joints::wire(const graphsolve::Wiring& wiring) {
     const auto own = joint.nodes[0];
     joint.row = wiring.row(own);
     joint.own = wiring.block(own, own);
-    const auto connect = [&](int body, int& row, graphsolve::BlockHandle& to, graphsolve::BlockHandle& from) {
+    const auto connect = [&](int body, int& row, graphsolve::BlockHandle& to, graphsolve::BlockHandle& from,
+                             graphsolve::BlockHandle& own_block) {
       if (body < 0) return;
+      own_block = wiring.block(bodies_.node(body), bodies_.node(body));
       row = wiring.row(bodies_.node(body));
       to = wiring.block(own, bodies_.node(body));
       from = wiring.block(bodies_.node(body), own);
     };
-    connect(joint.geometry.parent, joint.parent_row, joint.to_parent, joint.from_parent);
-    connect(joint.geometry.child, joint.child_row, joint.to_child, joint.from_child);
+    connect(joint.geometry.parent, joint.parent_row, joint.to_parent, joint.from_parent, joint.parent_own);
+    connect(joint.geometry.child, joint.child_row, joint.to_child, joint.from_child, joint.child_own);
   }
 }
 
@@ -170,6 +172,21 @@ void Joints::set_directions(Joint& joint, Pose parent, Pose child) {
   joint.force_arm = point - recorded.x;
 }
 
+/// With directions at `next` the torque p x R^T impulse turns with the body. (Of the rows in all three axes of the
+/// world only; the others are left to converge as they do without it.)
+void Joints::add_direction_derivative(const Joint& joint, const Vec3& impulse, double* values) const {
+  if (joint.translation_rows != 3) return;
+  const auto add = [&](int body, const graphsolve::BlockHandle& block, const Vec3& point, double sign) {
+    if (body < 0) return;
+    const Pose& pose = bodies_.next[body];
+    const Vec3 local = pose.rotation.transpose() * impulse;
+    Eigen::Map<Eigen::Matrix<double, 6, 6>>(values + block.offset).bottomRightCorner<3, 3>() -=
+        sign * bodies_.dt * skew(point) * skew(local) * pose.turn;
+  };
+  add(joint.geometry.child, joint.child_own, joint.geometry.child_point, 1);
+  add(joint.geometry.parent, joint.parent_own, joint.geometry.parent_point, -1);
+}
+
 void Joints::prepare(double end_time, double impulse_time) {
   impulse_time_ = impulse_time;
   for (Joint& joint : joints_) {
@@ -216,6 +233,7 @@ void Joints::evaluate(graphsolve::Instances instances, std::span<const double> x
     if (joint.parent_row >= 0) push(joint.parent_row, joint.parent_force);
     if (!values) continue;
     jacobian(joint, a, b, parent, child);
+    if (bodies_.force_at_next) add_direction_derivative(joint, lambda.head<3>(), values);
     if (joint.motor) {
       values[joint.own.offset + 5 * 6 + 5] += diagonal;
       if (limited) parent.row(5).setZero(), child.row(5).setZero();

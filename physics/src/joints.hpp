@@ -62,7 +62,7 @@ class Joints final : public graphsolve::Term {
     int translation_rows, rotation_rows, rows;
     Eigen::Matrix<double, 3, 3> translation, rotation;  ///< locked axes as rows, parent frame
     int row = -1, parent_row = -1, child_row = -1;
-    graphsolve::BlockHandle own, to_parent, to_child, from_parent, from_child;
+    graphsolve::BlockHandle own, to_parent, to_child, from_parent, from_child, parent_own, child_own;
     Matrix6 parent_force, child_force;  ///< force directions, rows x 6
     double coordinate = 0;              ///< of the motor at `now`
     double next_coordinate = 0;
@@ -77,6 +77,7 @@ class Joints final : public graphsolve::Term {
   double coordinate(const Joint& joint, const Pose& a, const Pose& b) const;
   /// Residual of the motor row; fills its diagonal entry and tells whether the effort is at its limit.
   void set_directions(Joint& joint, Pose parent, Pose child);
+  void add_direction_derivative(const Joint& joint, const Vec3& impulse, double* values) const;
   double motor_residual(Joint& joint, double lambda, double& diagonal, bool& limited);
 
   Bodies& bodies_;

@@ -78,6 +78,25 @@ TEST_P(JointDerivatives, MatchCentralDifferences) {
   }
 }
 
+TEST_F(Derivatives, SphericalJointWithForcesAtTheNewConfigurationMatchesCentralDifferences) {
+  two_bodies();
+  const JointGeometry g = joint(JointType::spherical, 0, 1);
+  graphsolve::BlockGraph graph;
+  graph.add_node("a", 6);
+  graph.add_node("b", 6);
+  Joints joints(bodies);
+  joints.add(g, nullptr, graph.add_node("joint", 3, graphsolve::NodeKind::saddle));
+  joints.prepare(0.1, bodies.dt);
+  bodies.force_at_next = true;
+  graphsolve::Problem problem(graph);
+  problem.add(bodies);
+  problem.add(joints);
+  std::vector<double> x(graph.rows());
+  for (double& value : x) value = uniform(-3, 3);
+  const auto report = graphsolve::check_terms(problem, x, 1e-5);
+  EXPECT_LE(report.largest_error, 2e-7) << report.where;
+}
+
 std::string case_name(const testing::TestParamInfo<std::tuple<JointType, bool, int>>& info) {
   static const char* types[] = {"fixed", "revolute", "prismatic", "spherical"};
   static const char* worlds[] = {"", "_parent_world", "_child_world"};
