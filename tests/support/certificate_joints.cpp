@@ -51,7 +51,9 @@ double target(const physics::Motor& motor, double time) {
 
 Vec3 world_axis(const Step& step, const Joint& joint) { return step.old_at(joint.parent).r * joint.axis.normalized(); }
 
-/// An impulse on the child at its joint point, at the old pose, and its opposite on the parent at the same point.
+/// An impulse on the child at its joint point, at the old pose, and its opposite on the parent: at the parent's own
+/// joint point, where the two are locked together (they are apart by the joint's error, which times the force counts
+/// for a light body), else at the child's.
 void take_off(const Step& step, const Joint& joint, const Momentum& impulse, std::span<Momentum> rest) {
   const Placement &child = step.old_at(joint.child), &parent = step.old_at(joint.parent);
   const Vec3 arm = child.r * joint.child_point;
@@ -59,7 +61,9 @@ void take_off(const Step& step, const Joint& joint, const Momentum& impulse, std
   rest[joint.child.index].angular -= impulse.angular + arm.cross(impulse.linear);
   if (joint.parent.is_world()) return;
   rest[joint.parent.index].linear += impulse.linear;
-  rest[joint.parent.index].angular += impulse.angular + (child.x + arm - parent.x).cross(impulse.linear);
+  const bool locked = joint.type != JointType::prismatic;
+  const Vec3 parent_arm = locked ? Vec3(parent.r * joint.parent_point) : Vec3(child.x + arm - parent.x);
+  rest[joint.parent.index].angular += impulse.angular + parent_arm.cross(impulse.linear);
 }
 
 bool drives(const Joint& joint) {
