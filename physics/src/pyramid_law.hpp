@@ -124,17 +124,20 @@ class PyramidLaw {
     }
     bound_residual_ = (frozen_ ? frozen_bound_ : friction_ * normal_.z) - sum - bound_.z;
   }
+  /// Residuals, and of each pair the smaller side, as it is without the slack's own residual.
   [[nodiscard]] double natural_error(double m) const {
-    double largest = std::abs(normal_residual_);
+    const double gap = std::abs(normal_residual_), bound = std::abs(bound_residual_) / m;
+    double largest = gap;
     const auto take = [&](double e) {
       if (!(e <= largest)) largest = e;  // a NaN must stay
     };
-    take(std::abs(bound_residual_) / m);
-    take(std::min(normal_.s, normal_.z / m));
-    take(std::min(bound_.s, bound_.z / m));
+    take(bound);
+    take(std::min(normal_.s + gap, normal_.z / m));
+    take(std::min(bound_.s, bound_.z / m + bound));
     for (int i = 0; i < facets(); ++i) {
-      take(std::abs(residual_[i]));
-      take(std::min(facet_[i].s, facet_[i].z / m));
+      const double slack = std::abs(residual_[i]);
+      take(slack);
+      take(std::min(facet_[i].s + slack, facet_[i].z / m));
     }
     return largest;
   }

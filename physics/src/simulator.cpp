@@ -11,6 +11,12 @@ namespace physics {
 
 using graphsolve::Status;
 
+namespace {
+
+constexpr int more_when_turned = 16;  ///< the last resort may take this many times more substeps
+
+}  // namespace
+
 Simulator::Simulator(Mechanism mechanism, const SimulatorSettings& settings)
     : impl_(std::make_unique<Impl>(std::move(mechanism), settings)) {}
 Simulator::~Simulator() = default;
@@ -26,7 +32,8 @@ StepResult Simulator::step() {
   for (const bool new_direction : {false, true}) {
     s.bodies.force_at_next = new_direction;
     result.new_force_direction = new_direction;
-    for (int count = 1; count <= s.settings.max_substeps; count *= 2) {
+    const int most = (new_direction ? more_when_turned : 1) * s.settings.max_substeps;
+    for (int count = 1; count <= most; count *= 2) {
       const Impl::Attempt attempt = s.substeps(count);
       result.status = attempt.status;
       result.iterations += attempt.iterations;
