@@ -32,7 +32,7 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   for (auto* v : {&x_, &start_, &dx_, &rhs_, &residual_}) v->assign(s.rows(), 0.0);
   row_scale_.assign(problem_.row_scale().begin(), problem_.row_scale().end());
   for (auto* v : {&error_, &previous_error_, &product_, &mu_, &mu_floor_, &alpha_, &ratio_, &sum_, &correction_, &scale_,
-                  &tolerance_, &change_, &good_error_, &last_alpha_, &port_error_})
+                  &tolerance_, &change_, &good_error_, &last_alpha_, &port_error_, &start_error_})
     v->assign(components, 0.0);
   for (auto* v : {&degree_, &attempt_iterations_, &short_steps_, &halvings_, &freezes_}) v->assign(components, 0);
   trouble_.assign(components, Status::solved);
@@ -126,10 +126,11 @@ void InteriorPoint::start_warm() {
   evaluate_ports();
   bool again = false;
   for (const int c : running_) {
+    start_error_[c] = port_error_[c];
     if (degree_[c] == 0 || error_[c] <= tolerance_[c]) continue;
     // Rows that know nothing of the ports say little about how far these are from their path.
     const double e = std::max(port_error_[c], 0.01 * error_[c]);
-    mu_[c] = std::clamp(0.1 * e * e * scale_[c], mu_floor_[c], scale_[c]);
+    mu_[c] = std::max(0.1 * e * e * scale_[c], mu_floor_[c]);
     again = true;
   }
   if (!again) return;
@@ -203,7 +204,8 @@ void InteriorPoint::next_attempt(int c) {
   phase_[c] = Phase::full;
   good_[c] = 0;
   const int attempt = ++reports_[c].attempts;
-  restart_cold(c, attempt == 3 ? 0.01 : 1.0);
+  // The natural size of velocities here is what the start showed, but not less than 1.
+  restart_cold(c, attempt == 3 ? 0.01 : std::max(1.0, start_error_[c]));
   if (attempt == 4) {
     phase_[c] = Phase::frozen;
     for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->relax(of_component(port_lists_[b], c), 1.0, change_);

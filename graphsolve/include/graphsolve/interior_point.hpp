@@ -112,7 +112,7 @@ class InteriorPoint {
   // By component.
   std::vector<ComponentReport> reports_;
   std::vector<double> error_, previous_error_, product_, mu_, mu_floor_, alpha_, ratio_, sum_, correction_, scale_,
-      tolerance_, change_, good_error_, last_alpha_, port_error_;
+      tolerance_, change_, good_error_, last_alpha_, port_error_, start_error_;
   std::vector<int> degree_, attempt_iterations_, short_steps_, halvings_, freezes_;
   std::vector<Status> trouble_;  ///< why the present attempt has to end; solved: it need not
   std::vector<Phase> phase_;
