@@ -13,5 +13,6 @@ using Command = std::function<int()>;
 
 Command add_simulate(CLI::App& program);
 Command add_scenes(CLI::App& program);
+Command add_study(CLI::App& program);
 
 }  // namespace cli
