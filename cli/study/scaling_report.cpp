@@ -16,7 +16,8 @@ constexpr const char* published_source =
 
 std::string growth_in_words(const PowerLaw& law, const std::string& counts) {
   if (!std::isfinite(law.exponent)) return "too few sizes were solved to say how it grows";
-  if (law.exponent > 1.1) return "faster than linear in the " + counts;
+  if (law.low > 1.1) return "faster than linear in the " + counts;
+  if (law.high > 1.1) return "nearly linear in the " + counts;
   if (law.exponent < 0.9) return "slower than linear in the " + counts;
   return "linear in the " + counts;
 }
