@@ -186,7 +186,7 @@ struct Quadruped {
   double friction = 0.8;
   double frequency = 3.0;  ///< of the gait [Hz]; 0: stands
   double stride = 0.04;    ///< amplitude of a foot along x [m]
-  double lift = 0.012;     ///< amplitude of a foot along z [m]
+  double lift = 0.02;      ///< amplitude of a foot along z [m]
   double time_step = 0.001;
 };
 Mechanism quadruped(const Quadruped& parameters = {});
