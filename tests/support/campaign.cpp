@@ -14,20 +14,24 @@ using namespace physics;
 
 namespace {
 
-/// What rounding alone may do to the certificate [m/s]: of positions over dt, and of the impulses of the step,
-/// which the records hold with 16 digits, over the mass they act on.
-double rounding(const Mechanism& mechanism, const StepRecord& before, const StepRecord& after) {
-  constexpr double eps = 2.2e-16;
+/// What rounding alone may show the certificate [m/s]: of positions over dt, and of impulses over the mass, or by an
+/// arm over the inertia, that they act on. The extremes make impulses of 1e5 times a body's mass.
+double inexactness(const Mechanism& mechanism, const StepRecord& before, const StepRecord& after) {
+  constexpr double rounding = 64 * 2.2e-16;
   const double dt = mechanism.time_step;
-  double position = 0, impulse = 0, speed = 0, lightest = 1e300;
+  double position = 1, impulse = 0, speed = 0, lightest = 1e300, least_inertia = 1e300, arm = 0;
   for (std::size_t i = 0; i < mechanism.bodies.size(); ++i) {
+    const Body& body = mechanism.bodies[i];
     position = std::max(position, before.bodies[i].position.lpNorm<Eigen::Infinity>());
     speed = std::max(speed, after.bodies[i].velocity.norm());
-    lightest = std::min(lightest, mechanism.bodies[i].mass);
+    lightest = std::min(lightest, body.mass);
+    least_inertia = std::min(least_inertia, std::sqrt(body.mass * body.inertia.diagonal().minCoeff()));
   }
+  for (const Joint& joint : mechanism.joints) arm = std::max({arm, joint.parent_point.norm(), joint.child_point.norm()});
+  for (const Contact& contact : mechanism.contacts) arm = std::max(arm, contact.point.norm());
   for (const JointRecord& joint : after.joints) impulse = std::max(impulse, dt * joint.force.norm());
   for (const ContactRecord& contact : after.contacts) impulse = std::max(impulse, dt * contact.normal_force);
-  return 32 * eps * ((position + 1) / dt + speed + impulse / lightest);
+  return rounding * (position / dt + speed + impulse / lightest + impulse * arm / least_inertia);
 }
 
 class Runner {
@@ -80,7 +84,7 @@ class Runner {
                const StepRecord& after) {
     const certificate::Certificate verdict = certificate::certify_step(mechanism, before, after);
     const auto worst = verdict.worst();
-    const double excess = worst.value / (options_.settings.tolerance + rounding(mechanism, before, after));
+    const double excess = worst.value / (options_.settings.tolerance + inexactness(mechanism, before, after));
     ++count.certified;
     if (!(excess <= count.certificate)) count.certificate = excess;
     if (excess <= 1) return;

@@ -1,0 +1,138 @@
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "physics/scenes.hpp"
+#include "physics/simulator.hpp"
+#include "unit.hpp"
+
+/// Time of a step: medians of thread CPU time, one thread, default settings. Setting up a simulator is not timed.
+/// Counters: us (median of a step), us_ref (the same where the unit takes 149 ns; compare this with the bars),
+/// mean_us_ref (of all steps, which counts the impacts that the median does not see), spread (from the 25th to the
+/// 75th percentile [us]), iterations (mean), us_it (time over iterations), failed steps.
+namespace {
+
+using namespace physics;
+
+double unit = 0;  ///< measured first [s]
+
+struct Measurement {
+  std::vector<double> steps;  ///< [s]
+  double time = 0;            ///< of all of them [s]
+  long long iterations = 0;
+  int failed = 0;
+};
+
+/// Runs `steps` steps of a scene anew and adds them; stops at a step that fails.
+void measure(const std::string& spec, int steps, Measurement& sum) {
+  Simulator simulator(built_in_scene(spec));
+  for (int i = 0; i < steps; ++i) {
+    const double begin = bench::thread_time();
+    const StepResult result = simulator.step();
+    const double time = bench::thread_time() - begin;
+    sum.steps.push_back(time);
+    sum.time += time;
+    sum.iterations += result.iterations;
+    if (result.ok()) continue;
+    ++sum.failed;
+    return;
+  }
+}
+
+void report(benchmark::State& state, Measurement sum) {
+  const double us = 1e6 * bench::median(sum.steps), scaled = bench::reference_unit / unit;
+  std::sort(sum.steps.begin(), sum.steps.end());
+  const std::size_t n = sum.steps.size();
+  state.counters["us"] = us;
+  state.counters["us_ref"] = us * scaled;
+  state.counters["mean_us_ref"] = 1e6 * sum.time / static_cast<double>(n) * scaled;
+  state.counters["spread"] = 1e6 * (sum.steps[n * 3 / 4] - sum.steps[n / 4]);
+  state.counters["iterations"] = static_cast<double>(sum.iterations) / static_cast<double>(n);
+  state.counters["us_it"] = 1e6 * sum.time / static_cast<double>(std::max(sum.iterations, 1LL));
+  state.counters["failed"] = sum.failed;
+}
+
+/// The scenes that have a bar. `steps` covers what the name says.
+void step(benchmark::State& state, const std::string& spec, int steps) {
+  Measurement sum;
+  for (auto _ : state) {
+    const double before = sum.time;
+    measure(spec, steps, sum);
+    state.SetIterationTime(sum.time - before);
+  }
+  report(state, std::move(sum));
+}
+
+std::map<std::string, std::vector<std::pair<double, double>>>& scaling_points() {
+  static std::map<std::string, std::vector<std::pair<double, double>>> points;
+  return points;
+}
+
+double slope(const std::vector<std::pair<double, double>>& points) {
+  double x = 0, y = 0, xx = 0, xy = 0;
+  for (const auto& [size, time] : points) {
+    const double a = std::log(size), b = std::log(time);
+    x += a, y += b, xx += a * a, xy += a * b;
+  }
+  const auto n = static_cast<double>(points.size());
+  return (n * xy - x * y) / (n * xx - x * x);
+}
+
+/// Time per iteration over size; the last counter is the log-log slope of all sizes so far.
+void scaling(benchmark::State& state, const std::string& name, const std::string& parameter) {
+  const auto size = state.range(0);
+  const std::string spec = name + ":" + parameter + "=" + std::to_string(size);
+  Measurement sum;
+  for (auto _ : state) {
+    const double before = sum.time;
+    measure(spec, 60, sum);  // the same fall, impact and slide at every size
+    state.SetIterationTime(sum.time - before);
+  }
+  auto& points = scaling_points()[name];
+  points.emplace_back(static_cast<double>(size), sum.time / static_cast<double>(std::max(sum.iterations, 1LL)));
+  report(state, std::move(sum));
+  if (points.size() > 1) state.counters["slope"] = slope(points);
+}
+
+void add(const std::string& name, const std::string& spec, int steps) {
+  benchmark::RegisterBenchmark(name.c_str(), [spec, steps](benchmark::State& state) { step(state, spec, steps); })
+      ->UseManualTime()
+      ->Unit(benchmark::kMillisecond);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  unit = bench::measure_unit();
+  std::printf("unit: %.0f ns (the bars are for 149 ns: here they are %.2f times as long)\n", unit * 1e9,
+              unit / bench::reference_unit);
+  benchmark::AddCustomContext("unit_ns", std::to_string(unit * 1e9));
+  // Dropped, sliding and coming to rest. The bars: 150 us and 45 us.
+  add("step/snake n=100", "snake:n=100", 100);
+  add("step/disc c=100", "disc:c=100", 100);
+  add("step/pendulum n=100", "pendulum:n=100,dt=0.001", 100);
+  add("step/quadruped", "quadruped", 1000);
+  for (const auto& [name, parameter, most] : {std::tuple{"snake", "n", 10'000}, std::tuple{"disc", "c", 1000}}) {
+    auto* sizes = benchmark::RegisterBenchmark((std::string("scaling/") + name).c_str(),
+                                               [name = name, parameter = parameter](benchmark::State& state) {
+                                                 scaling(state, name, parameter);
+                                               });
+    for (int size = 10; size <= most; size *= 10) {
+      sizes->Arg(size);
+      if (3 * size < most) sizes->Arg(3 * size);
+    }
+    sizes->UseManualTime()->Iterations(1)->Unit(benchmark::kMillisecond);
+  }
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  for (const auto& [name, points] : scaling_points())
+    if (points.size() > 1) std::printf("%s: log-log slope of the time per iteration %.3f\n", name.c_str(), slope(points));
+}

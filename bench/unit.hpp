@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <ctime>
+#include <vector>
+
+/// Times that carry over from one machine to another.
+///
+/// The unit is one Eigen::LDLT of a symmetric positive definite 6x6 matrix plus one solve, fixed size, over 256
+/// different matrices. A bar of T us means T us on a machine where the unit takes 149 ns, and scales with it.
+namespace bench {
+
+inline constexpr double reference_unit = 149e-9;  ///< [s]
+
+/// CPU time of this thread [s]: waiting for a shared core does not count.
+inline double thread_time() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+inline double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Measures the unit: median of 101 passes over the 256 matrices [s].
+inline double measure_unit() {
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  std::vector<Matrix6> matrices;
+  std::srand(1);
+  for (int i = 0; i < 256; ++i) {
+    const Matrix6 a = Matrix6::Random();
+    matrices.push_back(a * a.transpose() + 6 * Matrix6::Identity());
+  }
+  const Vector6 right = Vector6::Ones();
+  volatile double sink = 0;
+  std::vector<double> passes;
+  for (int pass = 0; pass < 101; ++pass) {
+    const double begin = thread_time();
+    double sum = 0;
+    for (const Matrix6& matrix : matrices) sum += Eigen::LDLT<Matrix6>(matrix).solve(right)[0];
+    passes.push_back((thread_time() - begin) / 256);
+    sink = sink + sum;
+  }
+  return median(std::move(passes));
+}
+
+}  // namespace bench
