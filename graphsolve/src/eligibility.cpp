@@ -4,7 +4,11 @@ namespace graphsolve {
 
 namespace {
 
-NodeKind counterpart(NodeKind kind) { return kind == NodeKind::saddle ? NodeKind::regular : NodeKind::saddle; }
+/// Saddle nodes wait for all other kinds, semidefinite nodes for saddle nodes.
+bool waits_for(NodeKind guest, NodeKind host) {
+  if (guest == NodeKind::saddle) return host != NodeKind::saddle;
+  return guest == NodeKind::semidefinite && host == NodeKind::saddle;
+}
 
 /// Is the host's own part of the constraint enough for the guest's pivot?
 bool carries(EdgeRank rank, NodeKind guest) {
@@ -17,9 +21,7 @@ bool carries(EdgeRank rank, NodeKind guest) {
 Eligibility::Eligibility(const BlockGraph& graph)
     : graph_(graph), eliminated_(graph.size(), 0), eligible_(graph.size(), 0), waiting_(graph.size(), 0) {
   for (int i = 0; i < graph.size(); ++i) {
-    const NodeKind kind = graph.kind({i});
-    if (kind != NodeKind::regular)
-      for (const auto& edge : graph.edges({i})) waiting_[i] += graph.kind(edge.to) == counterpart(kind);
+    for (const auto& edge : graph.edges({i})) waiting_[i] += waits_for(graph.kind({i}), graph.kind(edge.to));
     eligible_[i] = waiting_[i] == 0;
   }
 }
@@ -33,22 +35,18 @@ void Eligibility::free_node(int node, std::vector<NodeId>& freed) {
 void Eligibility::eliminate(NodeId node, std::vector<NodeId>& freed) {
   eliminated_[node.index] = 1;
   eligible_[node.index] = 0;
-  const NodeKind kind = graph_.kind(node);
-  // Guests lean on this node: saddle nodes on a regular one, semidefinite nodes on a saddle one.
-  const NodeKind guest_kind = kind == NodeKind::regular ? NodeKind::saddle : NodeKind::semidefinite;
-  if (kind == NodeKind::semidefinite) return;
-  int left = 0, only = -1;
-  EdgeRank rank = EdgeRank::unknown;
+  // The guest that is left alone with this host has the host's whole rank to itself; with two, neither is sure.
+  int left = 0;
+  BlockGraph::Edge last{};
   for (const auto& edge : graph_.edges(node)) {
     const int guest = edge.to.index;
-    if (graph_.kind(edge.to) != guest_kind) continue;
+    if (!waits_for(graph_.kind(edge.to), graph_.kind(node))) continue;
     if (--waiting_[guest] == 0) free_node(guest, freed);
     if (eliminated_[guest]) continue;
     ++left;
-    only = guest;
-    rank = edge.rank;
+    last = edge;
   }
-  if (left == 1 && carries(rank, guest_kind)) free_node(only, freed);
+  if (left == 1 && carries(last.rank, graph_.kind(last.to))) free_node(last.to.index, freed);
 }
 
 }  // namespace graphsolve

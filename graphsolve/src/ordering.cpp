@@ -1,6 +1,5 @@
 #include "graphsolve/ordering.hpp"
 
-#include <deque>
 #include <stdexcept>
 #include <string>
 
@@ -14,10 +13,10 @@ Ordering repaired(const BlockGraph& graph, std::span<const NodeId> sequence) {
   result.sequence.reserve(sequence.size());
   Eligibility rule(graph);
   std::vector<char> deferred(graph.size(), 0), done(graph.size(), 0);
-  std::deque<int> waiting;  // deferred nodes in their own order
-  std::vector<NodeId> freed;
+  std::vector<NodeId> waiting;  // deferred nodes in their own order
+  std::vector<NodeId> freed, pending;
   const auto take = [&](NodeId first) {
-    std::vector<NodeId> pending{first};
+    pending.assign(1, first);
     for (std::size_t k = 0; k < pending.size(); ++k) {
       done[pending[k].index] = 1;
       result.sequence.push_back(pending[k]);
@@ -33,13 +32,13 @@ Ordering repaired(const BlockGraph& graph, std::span<const NodeId> sequence) {
     } else {
       deferred[node.index] = 1;
       ++result.repairs;
-      waiting.push_back(node.index);
+      waiting.push_back(node);
     }
   }
-  for (const int node : waiting) {
-    if (done[node]) continue;
+  for (const NodeId node : waiting) {
+    if (done[node.index]) continue;
     ++result.forced;
-    take({node});
+    take(node);
   }
   return result;
 }
@@ -54,6 +53,8 @@ Ordering natural_ordering(const BlockGraph& graph) {
 
 Ordering depth_first_ordering(const BlockGraph& graph, NodeId root) {
   const int n = graph.size();
+  if (root.index >= n)
+    throw std::invalid_argument("ordering: root " + std::to_string(root.index) + " is not in the graph");
   std::vector<char> found(n, 0);
   std::vector<NodeId> order;  // first found first
   struct Visit {
@@ -89,7 +90,8 @@ Ordering user_ordering(const BlockGraph& graph, std::span<const NodeId> sequence
   std::vector<char> seen(graph.size(), 0);
   for (const NodeId node : sequence) {
     if (node.index < 0 || node.index >= graph.size() || seen[node.index])
-      throw std::invalid_argument("ordering: node " + std::to_string(node.index) + " is not in the graph or comes twice");
+      throw std::invalid_argument("ordering: node " + std::to_string(node.index) +
+                                  " is not in the graph or comes twice");
     seen[node.index] = 1;
   }
   if (static_cast<int>(sequence.size()) != graph.size())

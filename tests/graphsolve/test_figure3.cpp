@@ -36,14 +36,15 @@ std::set<Pair> fill_of(const std::vector<int>& order, const std::vector<Pair>& e
 }
 
 TEST(Figure3, MaximalCoordinatesLegHasOneFillBlock) {
-  const auto fill = fill_of({9, 8, 7, 6, 3, 5, 2, 4, 1},
-                            {{9, 8}, {9, 3}, {8, 6}, {7, 6}, {6, 3}, {3, 5}, {5, 2}, {2, 4}, {4, 1}});
+  const auto fill =
+      fill_of({9, 8, 7, 6, 3, 5, 2, 4, 1}, {{9, 8}, {9, 3}, {8, 6}, {7, 6}, {6, 3}, {3, 5}, {5, 2}, {2, 4}, {4, 1}});
   EXPECT_EQ(fill, (std::set<Pair>{{8, 3}}));
 }
 
 TEST(Figure3, MinimalCoordinatesLegHasOneFillBlockPerBody) {
-  const auto fill = fill_of({9, 8, 7, 6, 3, 2, 1}, {{9, 8}, {9, 3}, {9, 2}, {9, 1}, {8, 6}, {7, 6}, {6, 3}, {6, 2},
-                                                    {6, 1}, {3, 2}, {3, 1}, {2, 1}});
+  const auto fill =
+      fill_of({9, 8, 7, 6, 3, 2, 1},
+              {{9, 8}, {9, 3}, {9, 2}, {9, 1}, {8, 6}, {7, 6}, {6, 3}, {6, 2}, {6, 1}, {3, 2}, {3, 1}, {2, 1}});
   EXPECT_EQ(fill, (std::set<Pair>{{8, 3}, {8, 2}, {8, 1}}));
 }
 

@@ -77,13 +77,13 @@ BlockGraph ladder(int n) {
   return graph;
 }
 
-BlockGraph grid(int side) {
+BlockGraph grid(int side, int rows) {
   BlockGraph graph;
   const auto nodes = regular_nodes(graph, side * side);
   for (int r = 0; r < side; ++r)
     for (int c = 0; c < side; ++c) {
-      if (c + 1 < side) connect(graph, nodes[r * side + c], nodes[r * side + c + 1], 1);
-      if (r + 1 < side) connect(graph, nodes[r * side + c], nodes[(r + 1) * side + c], 1);
+      if (c + 1 < side) connect(graph, nodes[r * side + c], nodes[r * side + c + 1], rows);
+      if (r + 1 < side) connect(graph, nodes[r * side + c], nodes[(r + 1) * side + c], rows);
     }
   return graph;
 }
@@ -110,6 +110,24 @@ BlockGraph random_with_loops(int n, int extra, std::uint64_t seed) {
   for (int k = 0; k < extra; ++k) {
     const int a = pick(0, n - 1), b = pick(0, n - 1);
     if (a != b) connect(graph, nodes[a], nodes[b], 1);
+  }
+  return graph;
+}
+
+BlockGraph control(int n, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  BlockGraph graph;
+  NodeId state;
+  for (int k = 0; k < n; ++k) {
+    const std::string step = std::to_string(k);
+    const NodeId u = graph.add_node("control " + step, 1);
+    const NodeId dynamics = graph.add_node("dynamics " + step, 2, NodeKind::saddle);
+    const bool costs = k + 1 == n || random() % 2 == 0;
+    const NodeId next = graph.add_node("state " + step, 2, costs ? NodeKind::regular : NodeKind::semidefinite);
+    graph.add_edge(dynamics, u, EdgeRank::full_column);
+    graph.add_edge(dynamics, next, EdgeRank::full);
+    if (k > 0) graph.add_edge(dynamics, state, EdgeRank::full);
+    state = next;
   }
   return graph;
 }
@@ -175,7 +193,8 @@ double fill_factor(const graphsolve::Symbolic& symbolic) {
     diagonal += d * (d + 1) / 2 - d * d / 2;  // what (stored - diagonal squares) / 2 below leaves out
   }
   const auto& c = symbolic.counts();
-  return (static_cast<double>(c.stored_scalars) / 2 + diagonal) / (static_cast<double>(c.matrix_scalars) / 2 + diagonal);
+  return (static_cast<double>(c.stored_scalars) / 2 + diagonal) /
+         (static_cast<double>(c.matrix_scalars) / 2 + diagonal);
 }
 
 }  // namespace families

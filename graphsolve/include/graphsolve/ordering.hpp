@@ -10,12 +10,19 @@ namespace graphsolve {
 
 /// An elimination order. Made by one of the functions below, all of which obey the eligibility rule:
 ///
-///   A saddle node may be eliminated when all its regular neighbours are eliminated, or when one of them,
-///   across a full-row-rank edge, was eliminated whose other saddle neighbours had all been eliminated
-///   before it. (A semidefinite node likewise, with the roles and the rank of the edge exchanged.)
+///   A saddle node may be eliminated when all its regular and semidefinite neighbours are eliminated, or when
+///   one of them, across a full-row-rank edge, was eliminated whose other saddle neighbours had all been
+///   eliminated before it. A semidefinite node likewise waits for its saddle neighbours: for all of them, or
+///   for one across a full-column-rank edge whose other semidefinite neighbours had all been eliminated before.
 ///
-/// Under it no pivot block of a regular saddle system with monotone terms is singular. An order that knows
-/// nothing of the rule is repaired by deferring the ineligible node until it becomes eligible.
+/// Under it no pivot block of a regular saddle system with monotone terms is singular: the eliminated rows of J are
+/// independent on the eliminated columns (block triangular in the private hosts, complete rows for the others), and
+/// so are the costless columns on the eliminated rows. An order that knows nothing of the rule is repaired by
+/// deferring the ineligible node until it becomes eligible.
+///
+/// Without semidefinite nodes some node is always eligible. With them all may come to wait for each other: in
+/// [0 -J^T; J 0] no block by itself can be a pivot, and an order may use up a host while several saddle nodes wait at
+/// it. Then one node is taken against the rule, and counted.
 struct Ordering {
   std::vector<NodeId> sequence;  ///< every node once, first eliminated first
   int repairs = 0;               ///< nodes that were deferred by the rule
@@ -25,6 +32,7 @@ struct Ordering {
 /// Follows an elimination and answers which nodes may come next.
 class Eligibility {
  public:
+  /// Refers to the graph, which must outlive it.
   explicit Eligibility(const BlockGraph& graph);
   [[nodiscard]] bool eligible(NodeId node) const { return eligible_[node.index] != 0; }
   /// Marks the node eliminated; nodes that become eligible by it are appended to `freed`.
@@ -34,19 +42,20 @@ class Eligibility {
   void free_node(int node, std::vector<NodeId>& freed);
   const BlockGraph& graph_;
   std::vector<char> eliminated_, eligible_;
-  std::vector<int> waiting_;  ///< per saddle or semidefinite node: counterparts still to be eliminated
+  std::vector<int> waiting_;  ///< per saddle or semidefinite node: neighbours it waits for
 };
 
 /// The order in which the nodes were added.
 Ordering natural_ordering(const BlockGraph& graph);
 
 /// Depth-first search from `root` (default: the first node of each component), the first found node last
-/// (paper, section III-B).
+/// (paper, section III-B). Throws std::invalid_argument when the root is not in the graph.
 Ordering depth_first_ordering(const BlockGraph& graph, NodeId root = {});
 
 /// Repeatedly eliminates the eligible node that adds the fewest scalars of fill; among equals the one that
-/// became free first, which lays independent neighbours side by side. Exact for nodes of small degree,
-/// an upper bound for the others. The default everywhere.
+/// became free first, which lays independent neighbours side by side. Exact for nodes of at most 12 neighbours,
+/// an upper bound for the others. Where none is eligible the ineligible node of least fill is taken. The default
+/// everywhere.
 Ordering minimum_fill_ordering(const BlockGraph& graph);
 
 /// The user's own sequence, repaired where it breaks the rule. Throws std::invalid_argument when it is not
