@@ -99,7 +99,7 @@ std::string for_people(const Report& report) {
   if (s.start_correction > 0)
     line(out, "start correction", fmt::format("{:.3g} m/s, to agree with the joints", s.start_correction));
   for (const std::string& sentence : s.redundancies) line(out, "redundant", sentence);
-  line(out, "CPU time per step", time_text(s));
+  line(out, "time per step", time_text(s));
   return out;
 }
 

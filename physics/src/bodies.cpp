@@ -24,11 +24,11 @@ void Bodies::evaluate(graphsolve::Instances instances, std::span<const double> x
     Pose& to = next[i];
     const double s = rotation_scalar(w, dt);
     to.x = from.x + dt * v;
-    to.q = rotate(from.q, w, dt);
+    to.q = rotate(from.q, w, s, dt);
     to.rotation = to.q.toRotationMatrix();
     to.turn = rotation_derivative(w, s, dt);
     Eigen::Map<Vec3>(residual.data() + row[i]) += mass[i] * v - known_linear[i];
-    Eigen::Map<Vec3>(residual.data() + row[i] + 3) += momentum_plus(inertia[i], w, dt) - known_angular[i];
+    Eigen::Map<Vec3>(residual.data() + row[i] + 3) += momentum_plus(inertia[i], w, s, dt) - known_angular[i];
     if (!values) continue;
     Eigen::Map<Eigen::Matrix<double, 6, 6>> block(values + block_[i].offset);
     block(0, 0) += mass[i];

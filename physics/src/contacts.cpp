@@ -108,10 +108,10 @@ void Contacts::align(PortType& port, Law& law, std::span<const double> velocity,
   const Eigen::Map<const Vec3> v(velocity.data() + row), w(velocity.data() + row + 3);
   // A contact without a history is expected to slip the way gravity pulls.
   const Vec3 u = v + pose.rotation * w.cross(port.contact_point(pose)) + (loaded ? Vec3::Zero() : Vec3(dt * gravity));
-  const double u1 = port.tangent1().dot(u), u2 = port.tangent2().dot(u), speed = std::hypot(u1, u2);
+  const double u1 = port.tangent1().dot(u), u2 = port.tangent2().dot(u), speed = std::sqrt(u1 * u1 + u2 * u2);
   double f[2];
   law.friction_impulse(f);
-  const double force = std::hypot(f[0], f[1]);
+  const double force = std::sqrt(f[0] * f[0] + f[1] * f[1]);
   double t[2];
   if (speed > slipping) {
     t[0] = -u1 / speed;

@@ -9,8 +9,6 @@ namespace physics {
 
 namespace {
 
-using RowBlock = Eigen::Map<Eigen::MatrixXd>;
-
 /// q_a^-1 q_b q_off^-1, on the half of the double cover that holds the identity.
 Quat relative_rotation(const JointGeometry& g, const Pose& a, const Pose& b) {
   Quat e = a.q.conjugate() * b.q * g.orientation.conjugate();
@@ -206,52 +204,70 @@ void Joints::reset_coordinates() {
           coordinate(joint, bodies_.pose_now(joint.geometry.parent), bodies_.pose_now(joint.geometry.child));
 }
 
+namespace {
+
+/// residual -= force^T lambda, rows of one body
+template <int N>
+void push(double* residual, const Joints::Matrix6& force, const double* lambda) {
+  for (int j = 0; j < 6; ++j) {
+    double sum = 0;
+    for (int i = 0; i < N; ++i) sum += force(i, j) * lambda[i];
+    residual[j] -= sum;
+  }
+}
+
+/// Blocks (joint, body) += derivative and (body, joint) -= force^T
+template <int N>
+void write(double* down, double* across, const Joints::Matrix6& derivative, const Joints::Matrix6& force) {
+  for (int j = 0; j < 6; ++j)
+    for (int i = 0; i < N; ++i) down[j * N + i] += derivative(i, j);
+  for (int i = 0; i < N; ++i)
+    for (int j = 0; j < 6; ++j) across[i * 6 + j] -= force(i, j);
+}
+
+}  // namespace
+
 void Joints::evaluate(graphsolve::Instances instances, std::span<const double> x, std::span<double> residual,
                       double* values) {
-  Matrix6 parent, child;
-  double g[6];
-  const double rate = 1 / bodies_.dt;
   for (const int k : instances.index) {
     Joint& joint = joints_[k];
-    const int n = joint.rows;
-    const Pose &a = bodies_.pose_next(joint.geometry.parent), &b = bodies_.pose_next(joint.geometry.child);
-    if (bodies_.force_at_next) set_directions(joint, a, b);
-    violation(joint, a, b, g);
-    for (int i = 0; i < joint.translation_rows + joint.rotation_rows; ++i) residual[joint.row + i] += g[i] * rate;
-    double diagonal = 0;
-    bool limited = false;
-    if (joint.motor) residual[joint.row + 5] += motor_residual(joint, x[joint.row + 5], diagonal, limited);
-    const Eigen::Map<const Eigen::VectorXd> lambda(x.data() + joint.row, n);
-    const auto push = [&](int row, const Matrix6& force) {
-      for (int j = 0; j < 6; ++j) {
-        double sum = 0;
-        for (int i = 0; i < n; ++i) sum += force(i, j) * lambda[i];
-        residual[row + j] -= sum;
-      }
-    };
-    if (joint.child_row >= 0) push(joint.child_row, joint.child_force);
-    if (joint.parent_row >= 0) push(joint.parent_row, joint.parent_force);
-    if (!values) continue;
-    jacobian(joint, a, b, parent, child);
-    if (bodies_.force_at_next) add_direction_derivative(joint, lambda.head<3>(), values);
-    if (joint.motor) {
-      values[joint.own.offset + 5 * 6 + 5] += diagonal;
-      if (limited) parent.row(5).setZero(), child.row(5).setZero();
+    switch (joint.rows) {
+      case 3: evaluate_one<3>(joint, x, residual, values); break;
+      case 5: evaluate_one<5>(joint, x, residual, values); break;
+      default: evaluate_one<6>(joint, x, residual, values);
     }
-    const auto write = [&](int row, const graphsolve::BlockHandle& to, const graphsolve::BlockHandle& from,
-                           const Matrix6& derivative, const Matrix6& force) {
-      if (row < 0) return;
-      double* down = values + to.offset;    // n x 6
-      double* across = values + from.offset;  // 6 x n
-      for (int j = 0; j < 6; ++j)
-        for (int i = 0; i < n; ++i) {
-          down[j * n + i] += derivative(i, j);
-          across[i * 6 + j] -= force(i, j);
-        }
-    };
-    write(joint.child_row, joint.to_child, joint.from_child, child, joint.child_force);
-    write(joint.parent_row, joint.to_parent, joint.from_parent, parent, joint.parent_force);
   }
+}
+
+template <int N>
+void Joints::evaluate_one(Joint& joint, std::span<const double> x, std::span<double> residual, double* values) {
+  const Pose &a = bodies_.pose_next(joint.geometry.parent), &b = bodies_.pose_next(joint.geometry.child);
+  if (bodies_.force_at_next) set_directions(joint, a, b);
+  double g[6];
+  violation(joint, a, b, g);
+  const double rate = 1 / bodies_.dt;
+  for (int i = 0; i < joint.translation_rows + joint.rotation_rows; ++i) residual[joint.row + i] += g[i] * rate;
+  double diagonal = 0;
+  bool limited = false;
+  if (joint.motor) residual[joint.row + 5] += motor_residual(joint, x[joint.row + 5], diagonal, limited);
+  const double* lambda = x.data() + joint.row;
+  if (joint.child_row >= 0) push<N>(residual.data() + joint.child_row, joint.child_force, lambda);
+  if (joint.parent_row >= 0) push<N>(residual.data() + joint.parent_row, joint.parent_force, lambda);
+  if (!values) return;
+  Matrix6 parent, child;
+  jacobian(joint, a, b, parent, child);
+  if (bodies_.force_at_next) add_direction_derivative(joint, Eigen::Map<const Vec3>(lambda), values);
+  if (joint.motor) {
+    values[joint.own.offset + 5 * 6 + 5] += diagonal;
+    if (limited) {  // the effort no longer answers to the velocity
+      parent.row(5).setZero();
+      child.row(5).setZero();
+    }
+  }
+  if (joint.child_row >= 0)
+    write<N>(values + joint.to_child.offset, values + joint.from_child.offset, child, joint.child_force);
+  if (joint.parent_row >= 0)
+    write<N>(values + joint.to_parent.offset, values + joint.from_parent.offset, parent, joint.parent_force);
 }
 
 double Joints::error(int i, const Pose& parent, const Pose& child) const {

@@ -76,6 +76,8 @@ class Joints final : public graphsolve::Term {
   void jacobian(const Joint& joint, const Pose& a, const Pose& b, Matrix6& parent, Matrix6& child) const;
   double coordinate(const Joint& joint, const Pose& a, const Pose& b) const;
   /// Residual of the motor row; fills its diagonal entry and tells whether the effort is at its limit.
+  template <int N>
+  void evaluate_one(Joint& joint, std::span<const double> x, std::span<double> residual, double* values);
   void set_directions(Joint& joint, Pose parent, Pose child);
   void add_direction_derivative(const Joint& joint, const Vec3& impulse, double* values) const;
   double motor_residual(Joint& joint, double lambda, double& diagonal, bool& limited);

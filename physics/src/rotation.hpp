@@ -10,18 +10,19 @@ namespace physics {
 
 inline double rotation_scalar(const Vec3& w, double dt) { return std::sqrt(4 / (dt * dt) - w.squaredNorm()); }
 
-inline Quat rotate(const Quat& q, const Vec3& w, double dt) {
+/// s: rotation_scalar(w, dt)
+inline Quat rotate(const Quat& q, const Vec3& w, double s, double dt) {
   const double h = 0.5 * dt;
-  Quat step(h * rotation_scalar(w, dt), h * w.x(), h * w.y(), h * w.z());
+  Quat step(h * s, h * w.x(), h * w.y(), h * w.z());
   Quat next = q * step;
   next.normalize();  // a unit quaternion already, but for rounding
   return next;
 }
 
 /// p+(w) = (dt/2) (s J w + w x J w): angular momentum at the start of the step that w makes, body frame there.
-inline Vec3 momentum_plus(const Mat3& inertia, const Vec3& w, double dt) {
+inline Vec3 momentum_plus(const Mat3& inertia, const Vec3& w, double s, double dt) {
   const Vec3 jw = inertia * w;
-  return 0.5 * dt * (rotation_scalar(w, dt) * jw + w.cross(jw));
+  return 0.5 * dt * (s * jw + w.cross(jw));
 }
 
 /// p-(w) = (dt/2) (s J w - w x J w): the same momentum at the end of that step, body frame there.

@@ -76,7 +76,8 @@ void Simulator::write_record(StepRecord& record) const {
     if (s.state.half_kick || s.impulse_time == 0) {
       body.velocity += s.state.q[i] * s.state.w[i].cross(place.offset);
     } else {
-      const Quat before = rotate(s.state.q[i], -s.state.w[i], s.state.time_step);
+      const Quat before = rotate(s.state.q[i], -s.state.w[i], rotation_scalar(s.state.w[i], s.state.time_step),
+                                 s.state.time_step);
       body.velocity += (s.state.q[i] * place.offset - before * place.offset) / s.state.time_step;
     }
   }

@@ -29,7 +29,7 @@ struct ComponentReport {
   int worst_instance = -1;
 };
 
-/// CPU seconds spent in the phases of all solves; filled when given to InteriorPoint::set_profile.
+/// Seconds (steady clock) spent in the phases of all solves; filled when given to InteriorPoint::set_profile.
 struct Profile {
   double evaluate = 0, factorize = 0, solve = 0;
 };

@@ -21,7 +21,7 @@ struct SimulatorSettings {
   int max_substeps = 16;           ///< a step that fails is tried again in 2, 4, ... up to this many
 };
 
-/// CPU time of the phases of all steps so far [s].
+/// Time spent in the phases of all steps so far, by the steady clock (asking for CPU time costs as much as a small step) [s].
 struct PhaseTimes {
   double prepare = 0;     ///< loads, culling, friction basis, start values
   double evaluate = 0;    ///< residuals, Jacobians, condensation
