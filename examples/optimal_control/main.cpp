@@ -70,6 +70,7 @@ class Dynamics final : public Term {
   [[nodiscard]] std::span<const NodeId> nodes(int i) const override {
     return {nodes_[i].data(), nodes_[i][3].index < 0 ? 3u : 4u};
   }
+  [[nodiscard]] Coupling coupling() const override { return Coupling::star; }
   void wire(const Wiring& wiring) override {
     for (const auto& n : nodes_) {
       Place p{};

@@ -8,7 +8,7 @@ namespace graphsolve {
 
 namespace {
 
-constexpr double affine_from = 1e-3;   ///< below this residual the barrier goes straight to its floor
+constexpr double affine_from = 1e-5;   ///< below this residual the barrier follows its square, without a predictor
 constexpr double centre_below = 0.5;  ///< a step shorter than this asks for centring
 constexpr double centring = 0.5;
 constexpr double short_step = 0.15;    ///< three of these in a row end an attempt
@@ -16,7 +16,9 @@ constexpr double stiffest = 1e4;        ///< bound on z/s over its scale, as lon
 constexpr double stiffest_move = 0.1;   ///< below that the bound is this over the residual
 constexpr double refine_below = 1e-2;  ///< residual from which Newton is expected to gain a digit
 constexpr int most_polishes = 3;
-constexpr int newton_halvings = 8;
+constexpr int newton_halvings = 3;     ///< more hold it where the constraints curve
+constexpr int newton_iterations = 20;  ///< without ports it converges fast or not at all
+constexpr double superlinear = 0.01;   ///< mu over scale and the square of the ports' residual, near the solution
 
 /// Adds its life time to one phase of the profile; costs nothing without one.
 class PhaseClock {
@@ -159,7 +161,8 @@ void InteriorPoint::judge_component(int c) {
   good_[c] = static_cast<char>(error_[c] <= tolerance_[c] ? good_[c] + 1 : 0);
   good_error_[c] = error_[c];
   if (degree_[c] == 0 && backtrack(c)) return;
-  if (attempt_iterations_[c] >= settings_.max_iterations) trouble_[c] = Status::max_iterations;
+  const int most = degree_[c] == 0 ? newton_iterations : settings_.max_iterations;
+  if (attempt_iterations_[c] >= most) trouble_[c] = Status::max_iterations;
   else if (short_steps_[c] >= 3) trouble_[c] = alpha_[c] < 0 ? Status::step_bound : Status::stalled;
 }
 
@@ -296,7 +299,8 @@ void InteriorPoint::affine_step() {
   for (const int c : running_) {
     if (degree_[c] == 0) continue;
     if (straight_to_floor(c)) {
-      mu_[c] = mu_floor_[c];
+      // One pair that lags behind jams at its bound when the others' targets fall faster than the residual does.
+      mu_[c] = std::max(mu_floor_[c], superlinear * port_error_[c] * port_error_[c] * scale_[c]);
       continue;
     }
     const double nu = mu_[c] / degree_[c], nu_affine = sum_[c] / degree_[c];

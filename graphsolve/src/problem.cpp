@@ -10,18 +10,19 @@ namespace graphsolve {
 Problem::Problem(BlockGraph graph)
     : graph_(std::move(graph)), row_scale_(graph_.rows(), std::numeric_limits<double>::quiet_NaN()) {}
 
-void Problem::couple(std::span<const NodeId> nodes) {
-  for (std::size_t i = 0; i < nodes.size(); ++i)
+void Problem::couple(std::span<const NodeId> nodes, Coupling coupling) {
+  const std::size_t centres = coupling == Coupling::star ? std::min<std::size_t>(1, nodes.size()) : nodes.size();
+  for (std::size_t i = 0; i < centres; ++i)
     for (std::size_t j = i + 1; j < nodes.size(); ++j) graph_.add_edge(nodes[i], nodes[j]);
 }
 
 void Problem::add(Term& term) {
-  for (int i = 0; i < term.size(); ++i) couple(term.nodes(i));
+  for (int i = 0; i < term.size(); ++i) couple(term.nodes(i), term.coupling());
   terms_.push_back(&term);
 }
 
 int Problem::add(PortBatch& ports) {
-  for (int i = 0; i < ports.size(); ++i) couple(ports.nodes(i));
+  for (int i = 0; i < ports.size(); ++i) couple(ports.nodes(i), Coupling::all_pairs);
   ports_.push_back(&ports);
   return static_cast<int>(ports_.size()) - 1;
 }

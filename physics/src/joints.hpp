@@ -35,6 +35,7 @@ class Joints final : public graphsolve::Term {
   [[nodiscard]] std::span<const graphsolve::NodeId> nodes(int i) const override {
     return {joints_[i].nodes.data(), static_cast<std::size_t>(joints_[i].node_count)};
   }
+  [[nodiscard]] graphsolve::Coupling coupling() const override { return graphsolve::Coupling::star; }
   void wire(const graphsolve::Wiring& wiring) override;
   void evaluate(graphsolve::Instances instances, std::span<const double> x, std::span<double> residual,
                 double* values) override;

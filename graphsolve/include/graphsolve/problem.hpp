@@ -31,7 +31,7 @@ class Problem {
   [[nodiscard]] std::span<const double> row_scale() const { return row_scale_; }
 
  private:
-  void couple(std::span<const NodeId> nodes);
+  void couple(std::span<const NodeId> nodes, Coupling coupling);
   BlockGraph graph_;
   std::vector<Term*> terms_;
   std::vector<PortBatch*> ports_;

@@ -28,6 +28,12 @@ struct Instances {
   std::span<const int> component;  ///< by instance
 };
 
+/// Which blocks of the matrix the nodes of one instance make.
+enum class Coupling {
+  all_pairs,
+  star,  ///< the first node with each of the others, these not with each other: a constraint and what it constrains
+};
+
 /// A batch of equal smooth contributions F(x) to the residual: dynamics, equality constraints, the gradient of
 /// an objective. Stationarity rows carry constraints as -J^T lambda, constraint rows as +g.
 /// Terms are evaluated in the order in which they were added; all terms before all ports.
@@ -35,8 +41,10 @@ class Term {
  public:
   virtual ~Term() = default;
   [[nodiscard]] virtual int size() const = 0;
-  /// Nodes that instance i touches; every pair of them is coupled.
+  /// Nodes that instance i touches.
   [[nodiscard]] virtual std::span<const NodeId> nodes(int i) const = 0;
+  /// A block that is never written costs fill and operations all the same: say `star` where that is enough.
+  [[nodiscard]] virtual Coupling coupling() const { return Coupling::all_pairs; }
   /// Called once, before anything else: keep the rows and blocks that are needed.
   virtual void wire(const Wiring& wiring) = 0;
   /// residual += F(x).  With values != nullptr also: the blocks of dF/dx are *added* at values + handle.offset,
