@@ -69,9 +69,10 @@ void solve_columns(const double* a, const int* rows, double* x) {
   double t[D][C];
   for (int p = 0; p < D; ++p)
     for (int c = 0; c < C; ++c) t[p][c] = x[c * D + p];
-  for (int p = 0; p < D; ++p)
-    if (rows[p] != p)
-      for (int c = 0; c < C; ++c) std::swap(t[p][c], t[rows[p]][c]);
+  if constexpr (D > 1)
+    for (int p = 0; p < D; ++p)
+      if (rows[p] != p)
+        for (int c = 0; c < C; ++c) std::swap(t[p][c], t[rows[p]][c]);
   for (int p = 0; p < D; ++p)
     for (int i = p + 1; i < D; ++i)
       for (int c = 0; c < C; ++c) t[i][c] -= a[p * D + i] * t[p][c];
