@@ -130,7 +130,7 @@ void InteriorPoint::start_warm() {
     if (degree_[c] == 0 || error_[c] <= tolerance_[c]) continue;
     // Rows that know nothing of the ports say little about how far these are from their path.
     const double e = std::max(port_error_[c], 0.03 * error_[c]);
-    // Only what the ports themselves see may lift the barrier above 1 m/s: rows of a light body are no measure.
+    // Only what the ports themselves see may lift the barrier above 1 m/s: rows with a large scale are no measure.
     const double most = std::max(1.0, 0.1 * port_error_[c] * port_error_[c]);
     mu_[c] = std::clamp(0.1 * e * e * scale_[c], mu_floor_[c], most * scale_[c]);
     again = true;
