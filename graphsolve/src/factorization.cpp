@@ -124,25 +124,6 @@ bool Factorization::factorize_pivot(int k, Outcome& outcome) {
   return false;
 }
 
-/// Do the rows left out of block k still couple to later pivots? Then they are not dependent, only early.
-bool Factorization::couples_later(int k) {
-  const Symbolic::Pivot& p = symbolic_->pivot(k);
-  const int d = p.dimension, row = first_row_[k];
-  const double* a = values_.data() + p.diagonal;
-  double* x = work_.data();
-  for (int c = 0; c < p.coupled_rows; ++c) {
-    const double* column = values_.data() + p.upper + c * d;
-    double largest = 0;
-    for (int i = 0; i < d; ++i) largest = std::max(largest, std::abs(x[i] = column[i]));
-    for (int q = 0; q < d; ++q) std::swap(x[q], x[row_exchange_[row + q]]);
-    for (int q = 0; q < rank_[k]; ++q)
-      for (int i = q + 1; i < d; ++i) x[i] -= a[q * d + i] * x[q];
-    for (int i = rank_[k]; i < d; ++i)
-      if (std::abs(x[i]) > 1e-8 * largest) return true;
-  }
-  return false;
-}
-
 /// W = D^-1 U, then the blocks between the couplings lose L W.
 void Factorization::eliminate(int k) {
   const Symbolic& s = *symbolic_;
@@ -252,110 +233,6 @@ void Factorization::solve_transposed(std::span<double> x) const {
     else
       solve_rank_deficient_transposed(v + p.diagonal, p.dimension, rank_[k], row_exchange_.data() + row,
                                       column_exchange_.data() + row, xk);
-  }
-}
-
-template <class F>
-void Factorization::each_row(int begin, int end, F&& f) const {
-  for (int k = begin; k < end; ++k) {
-    const Symbolic::Pivot& p = symbolic_->pivot(k);
-    for (int i = p.row; i < p.row + p.dimension; ++i) f(i);
-  }
-}
-
-/// residual_ = b - A x; returns the componentwise backward error of x.
-double Factorization::residual(std::span<const double> b, std::span<const double> x, int begin, int end) {
-  const Symbolic& s = *symbolic_;
-  each_row(begin, end, [&](int i) {
-    residual_[i] = b[i];
-    magnitude_[i] = std::abs(b[i]);
-  });
-  const auto subtract = [&](const double* block, int row, int rows, int column, int columns) {
-    for (int j = 0; j < columns; ++j)
-      for (int i = 0; i < rows; ++i) {
-        const double product = block[j * rows + i] * x[column + j];
-        residual_[row + i] -= product;
-        magnitude_[row + i] += std::abs(product);
-      }
-  };
-  for (int k = begin; k < end; ++k) {
-    const Symbolic::Pivot& p = s.pivot(k);
-    subtract(matrix_.data() + p.diagonal, p.row, p.dimension, p.row, p.dimension);
-    for (int e = p.begin; e < p.end; ++e) {
-      if (s.fill_[e]) continue;  // zero in the matrix
-      const Symbolic::Pivot& q = s.pivot(s.coupled_[e]);
-      subtract(matrix_.data() + p.lower + s.block_offset_[e], q.row, q.dimension, p.row, p.dimension);
-      subtract(matrix_.data() + p.upper + s.block_offset_[e], p.row, p.dimension, q.row, q.dimension);
-    }
-  }
-  double error = 0;
-  each_row(begin, end, [&](int i) {
-    if (!(magnitude_[i] > 0)) return;
-    const double e = std::abs(residual_[i]) / magnitude_[i];
-    if (!(e <= error)) error = e;  // a NaN must stay
-  });
-  return error;
-}
-
-Factorization::Refinement Factorization::refine(std::span<const double> b, std::span<double> x, int max_sweeps) {
-  return refine_range(b, x, 0, symbolic_->pivots(), max_sweeps);
-}
-
-Factorization::Refinement Factorization::refine(std::span<const double> b, std::span<double> x, int component,
-                                                int max_sweeps) {
-  return refine_range(b, x, symbolic_->component_begin(component), symbolic_->component_begin(component + 1), max_sweeps);
-}
-
-Factorization::Refinement Factorization::refine_range(std::span<const double> b, std::span<double> x, int begin, int end,
-                                                      int max_sweeps) {
-  assert(!matrix_.empty() && "allow_refinement() and keep_matrix(true) before factorize()");
-  const double goal = 4 * std::numeric_limits<double>::epsilon();
-  Refinement result{.sweeps = 0, .backward_error = residual(b, x, begin, end)};
-  while (result.sweeps < max_sweeps && result.backward_error > goal) {
-    each_row(begin, end, [&](int i) { correction_[i] = residual_[i]; });
-    solve_range(correction_, begin, end);
-    each_row(begin, end, [&](int i) { x[i] += correction_[i]; });
-    const double error = residual(b, x, begin, end);
-    if (!(error < result.backward_error)) {
-      each_row(begin, end, [&](int i) { x[i] -= correction_[i]; });
-      break;
-    }
-    ++result.sweeps;
-    const bool slow = error > 0.5 * result.backward_error;
-    result.backward_error = error;
-    if (slow) break;
-  }
-  return result;
-}
-
-void Factorization::dependency(const DroppedRow& dropped, std::span<double> y) const {
-  const Symbolic& s = *symbolic_;
-  std::fill(y.begin(), y.end(), 0.0);
-  const int k = s.position(dropped.node);
-  const Symbolic::Pivot& p = s.pivot(k);
-  const int d = p.dimension, row = first_row_[k];
-  const double* a = values_.data() + p.diagonal;
-  double* yk = y.data() + p.row;
-  // z^T (P^T L) = e_m^T with m the place where the dropped row ended; beyond the rank L is the identity.
-  yk[dropped.row] = 1;
-  for (int q = 0; q < rank_[k]; ++q) std::swap(yk[q], yk[row_exchange_[row + q]]);
-  for (int q = rank_[k] - 1; q >= 0; --q)
-    for (int i = q + 1; i < d; ++i) yk[q] -= a[q * d + i] * yk[i];
-  for (int q = rank_[k] - 1; q >= 0; --q) std::swap(yk[q], yk[row_exchange_[row + q]]);
-  for (int j = k - 1; j >= s.component_begin(s.component(dropped.node)); --j) {
-    const Symbolic::Pivot& pj = s.pivot(j);
-    double* yj = y.data() + pj.row;
-    const double* lower = values_.data() + pj.lower;
-    for (int e = pj.begin; e < pj.end; ++e) {
-      const Symbolic::Pivot& pi = s.pivot(s.coupled_[e]);
-      kernels::subtract_transposed_times_vector(yj, lower, y.data() + pi.row, pi.dimension, pj.dimension);
-      lower += pi.dimension * pj.dimension;
-    }
-    if (rank_[j] == pj.dimension)
-      kernels::solve_block_transposed(values_.data() + pj.diagonal, row_exchange_.data() + first_row_[j], yj, pj.dimension);
-    else
-      solve_rank_deficient_transposed(values_.data() + pj.diagonal, pj.dimension, rank_[j],
-                                      row_exchange_.data() + first_row_[j], column_exchange_.data() + first_row_[j], yj);
   }
 }
 

@@ -4,7 +4,7 @@
 
 #include "graphsolve/interior_point.hpp"
 
-/// Lists of instances by component, starts and restarts. The loop itself is in interior_point.cpp.
+/// Lists of instances by component, starts and restarts. The loop itself is in interior_point.cpp, what ends it in interior_point_judge.cpp.
 namespace graphsolve {
 
 namespace {

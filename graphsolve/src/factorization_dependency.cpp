@@ -1,0 +1,61 @@
+#include <algorithm>
+#include <cmath>
+
+#include "graphsolve/factorization.hpp"
+#include "kernels.hpp"
+#include "rank_revealing.hpp"
+
+/// Rows of saddle blocks that depend on earlier ones: are they really dependent, and on which?
+namespace graphsolve {
+
+/// Do the rows left out of block k still couple to later pivots? Then they are not dependent, only early.
+bool Factorization::couples_later(int k) {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  const int d = p.dimension, row = first_row_[k];
+  const double* a = values_.data() + p.diagonal;
+  double* x = work_.data();
+  for (int c = 0; c < p.coupled_rows; ++c) {
+    const double* column = values_.data() + p.upper + c * d;
+    double largest = 0;
+    for (int i = 0; i < d; ++i) largest = std::max(largest, std::abs(x[i] = column[i]));
+    for (int q = 0; q < d; ++q) std::swap(x[q], x[row_exchange_[row + q]]);
+    for (int q = 0; q < rank_[k]; ++q)
+      for (int i = q + 1; i < d; ++i) x[i] -= a[q * d + i] * x[q];
+    for (int i = rank_[k]; i < d; ++i)
+      if (std::abs(x[i]) > 1e-8 * largest) return true;
+  }
+  return false;
+}
+
+void Factorization::dependency(const DroppedRow& dropped, std::span<double> y) const {
+  const Symbolic& s = *symbolic_;
+  std::fill(y.begin(), y.end(), 0.0);
+  const int k = s.position(dropped.node);
+  const Symbolic::Pivot& p = s.pivot(k);
+  const int d = p.dimension, row = first_row_[k];
+  const double* a = values_.data() + p.diagonal;
+  double* yk = y.data() + p.row;
+  // z^T (P^T L) = e_m^T with m the place where the dropped row ended; beyond the rank L is the identity.
+  yk[dropped.row] = 1;
+  for (int q = 0; q < rank_[k]; ++q) std::swap(yk[q], yk[row_exchange_[row + q]]);
+  for (int q = rank_[k] - 1; q >= 0; --q)
+    for (int i = q + 1; i < d; ++i) yk[q] -= a[q * d + i] * yk[i];
+  for (int q = rank_[k] - 1; q >= 0; --q) std::swap(yk[q], yk[row_exchange_[row + q]]);
+  for (int j = k - 1; j >= s.component_begin(s.component(dropped.node)); --j) {
+    const Symbolic::Pivot& pj = s.pivot(j);
+    double* yj = y.data() + pj.row;
+    const double* lower = values_.data() + pj.lower;
+    for (int e = pj.begin; e < pj.end; ++e) {
+      const Symbolic::Pivot& pi = s.pivot(s.coupled_[e]);
+      kernels::subtract_transposed_times_vector(yj, lower, y.data() + pi.row, pi.dimension, pj.dimension);
+      lower += pi.dimension * pj.dimension;
+    }
+    if (rank_[j] == pj.dimension)
+      kernels::solve_block_transposed(values_.data() + pj.diagonal, row_exchange_.data() + first_row_[j], yj, pj.dimension);
+    else
+      solve_rank_deficient_transposed(values_.data() + pj.diagonal, pj.dimension, rank_[j],
+                                      row_exchange_.data() + first_row_[j], column_exchange_.data() + first_row_[j], yj);
+  }
+}
+
+}  // namespace graphsolve
