@@ -32,7 +32,8 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   for (auto* v : {&x_, &start_, &dx_, &rhs_, &residual_}) v->assign(s.rows(), 0.0);
   row_scale_.assign(problem_.row_scale().begin(), problem_.row_scale().end());
   for (auto* v : {&error_, &previous_error_, &product_, &mu_, &mu_floor_, &alpha_, &ratio_, &sum_, &correction_, &scale_,
-                  &tolerance_, &change_, &good_error_, &last_alpha_, &port_error_, &start_error_})
+                  &tolerance_, &change_, &good_error_, &last_alpha_, &port_error_, &start_error_,
+                  &start_residual_})
     v->assign(components, 0.0);
   for (auto* v : {&degree_, &attempt_iterations_, &short_steps_, &halvings_, &freezes_}) v->assign(components, 0);
   trouble_.assign(components, Status::solved);
@@ -127,6 +128,7 @@ void InteriorPoint::start_warm() {
   bool again = false;
   for (const int c : running_) {
     start_error_[c] = port_error_[c];
+    start_residual_[c] = error_[c];
     if (degree_[c] == 0 || error_[c] <= tolerance_[c]) continue;
     // Rows that know nothing of the ports say little about how far these are from their path.
     const double e = std::max(port_error_[c], 0.03 * error_[c]);
@@ -184,7 +186,7 @@ void InteriorPoint::blame(int c) {
     }
 }
 
-/// Ladder: warm, cold at 1 m/s, cold at another scale, frozen couplings, end.
+/// Ladder: warm, cold at 1 m/s, cold at another scale, frozen couplings, cold at the size of all residuals, end.
 void InteriorPoint::next_attempt(int c) {
   const Status cause = trouble_[c];
   const auto ports = problem_.ports();
@@ -193,7 +195,9 @@ void InteriorPoint::next_attempt(int c) {
     change_[c] = 0;
     ports[b]->relax(of_component(port_lists_[b], c), 0.0, change_);
   }
-  if (degree_[c] == 0 || reports_[c].attempts == 4) {
+  const double usual = std::max(1.0, start_error_[c]);
+  const int most_attempts = start_residual_[c] > usual ? 5 : 4;
+  if (degree_[c] == 0 || reports_[c].attempts == most_attempts) {
     reports_[c].status = cause;
     blame(c);
     attempt_iterations_[c] = -1;
@@ -206,8 +210,9 @@ void InteriorPoint::next_attempt(int c) {
   phase_[c] = Phase::full;
   good_[c] = 0;
   const int attempt = ++reports_[c].attempts;
-  // The natural size of velocities here is what the start showed, but not less than 1.
-  restart_cold(c, attempt == 3 ? 0.01 : std::max(1.0, start_error_[c]));
+  // The natural size of velocities here is what the start showed, but not less than 1. Where the data are much larger
+  // than 1 (costs, prices), pairs that start small jam at their bounds.
+  restart_cold(c, attempt == 3 ? 0.01 : attempt == 5 ? start_residual_[c] : usual);
   if (attempt == 4) {
     phase_[c] = Phase::frozen;
     for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->relax(of_component(port_lists_[b], c), 1.0, change_);

@@ -20,7 +20,8 @@ struct InteriorPointSettings {
 struct ComponentReport {
   Status status = Status::solved;
   int iterations = 0;      ///< factorizations, all attempts
-  int attempts = 1;        ///< 1: warm start; 2, 3: cold starts; 4: frozen couplings first
+  int attempts = 1;        ///< 1: warm start; 2, 3: cold starts; 4: frozen couplings first; 5: cold, at the
+                           ///< size of the residual that the start showed, where that is larger
   int dropped_rows = 0;    ///< dependent constraint rows left out by the last factorization
   double residual = 0;     ///< natural residual at the end
   // Where an unsolved component is worst: rows of a node, or an instance of a port batch.
@@ -112,7 +113,8 @@ class InteriorPoint {
   // By component.
   std::vector<ComponentReport> reports_;
   std::vector<double> error_, previous_error_, product_, mu_, mu_floor_, alpha_, ratio_, sum_, correction_, scale_,
-      tolerance_, change_, good_error_, last_alpha_, port_error_, start_error_;
+      tolerance_, change_, good_error_, last_alpha_, port_error_, start_error_,
+      start_residual_;
   std::vector<int> degree_, attempt_iterations_, short_steps_, halvings_, freezes_;
   std::vector<Status> trouble_;  ///< why the present attempt has to end; solved: it need not
   std::vector<Phase> phase_;
