@@ -42,9 +42,9 @@ double Factorization::residual(std::span<const double> b, std::span<const double
   }
   double error = 0;
   each_row(begin, end, [&](int i) {
-    if (!(magnitude_[i] > 0)) return;
+    if (magnitude_[i] == 0) return;
     const double e = std::abs(residual_[i]) / magnitude_[i];
-    if (!(e <= error)) error = e;  // a NaN must stay
+    if (e > error || std::isnan(e)) error = e;  // a NaN stays: nothing is larger
   });
   return error;
 }

@@ -84,6 +84,23 @@ TEST(Factorization, RefinementReachesComponentwiseBackwardErrorNearRounding) {
   }
 }
 
+TEST(Factorization, BackwardErrorIsNaNWhereverTheRightHandSideHoldsANaN) {
+  const BlockGraph graph = families::chain(3);
+  const Eigen::MatrixXd a = families::saddle_matrix(graph, 11);
+  Factorization f(std::make_shared<const Symbolic>(graph, minimum_fill_ordering(graph)));
+  f.allow_refinement();
+  f.keep_matrix(true);
+  families::load(a, graph, f.symbolic(), f.values());
+  ASSERT_TRUE(f.factorize().ok());
+  for (Eigen::Index i = 0; i < a.rows(); ++i) {
+    Eigen::VectorXd b = right_hand_side(a.rows()), x = b;
+    f.solve({x.data(), static_cast<std::size_t>(x.size())});
+    b[i] = NAN;
+    EXPECT_TRUE(std::isnan(f.refine({b.data(), static_cast<std::size_t>(b.size())},
+                                    {x.data(), static_cast<std::size_t>(x.size())}).backward_error)) << i;
+  }
+}
+
 TEST(Factorization, ComponentsAreIndependent) {
   BlockGraph graph;
   for (const char* name : {"a", "b"}) {
