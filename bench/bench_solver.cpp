@@ -2,6 +2,8 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <map>
 #include <memory>
@@ -189,6 +191,23 @@ void add_all(const std::string& table, const Entry& entry) {
   add(table, problem, one, packages());
 }
 
+/// What /proc/cpuinfo calls the processor.
+std::string processor() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+  return "unknown processor";
+}
+
+/// The BLAS that supernodal codes got, by the name of its file: how fast they are depends on it.
+std::string blas() {
+  std::ifstream file("/proc/self/maps");
+  for (std::string line; std::getline(file, line);)
+    if (line.find("blas") != std::string::npos)
+      return std::filesystem::path(line.substr(line.find('/'))).parent_path().filename() / std::filesystem::path(line).filename();
+  return "none";
+}
+
 void add_tables() {
   for (const Family family : {Family::chain, Family::tree, Family::quadruped, Family::loop, Family::ladder, Family::grid,
                               Family::random, Family::control}) {
@@ -220,6 +239,8 @@ int main(int argc, char** argv) {
   std::printf("unit: %.0f ns (the bars are for 149 ns: here they are %.2f times as long)\n", unit * 1e9,
               unit / bench::reference_unit);
   benchmark::AddCustomContext("unit_ns", std::to_string(unit * 1e9));
+  benchmark::AddCustomContext("cpu", processor());
+  benchmark::AddCustomContext("blas", blas());
   benchmark::AddCustomContext("commit", GRAPHSOLVE_COMMIT);
   benchmark::AddCustomContext("compiler", GRAPHSOLVE_COMPILER);
   benchmark::AddCustomContext("flags", GRAPHSOLVE_FLAGS);

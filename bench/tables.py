@@ -1,0 +1,241 @@
+#!/usr/bin/env python3
+"""Prints the solver's tables from what bench_solver wrote.
+
+    bench_solver --benchmark_out=solver.json --benchmark_out_format=json [--benchmark_repetitions=5]
+    tables.py solver.json [more.json] [--full]
+
+Only the standard library. With repetitions, and with several files of one machine, every figure is the median.
+--full lists every hard problem instead of the worst of each kind.
+"""
+import json
+import statistics
+import sys
+
+REFERENCE_UNIT = 149.0  # ns; bars in us hold where the unit takes this long
+
+
+def load(paths):
+    """{table: {problem: {solver: {counter: median, 'error': reason, 'label': text}}}}, context of the first file."""
+    runs, context = {}, None
+    for path in paths:
+        with open(path, encoding="utf-8") as file:
+            data = json.load(file)
+        context = context or data["context"]
+        for run in data["benchmarks"]:
+            if run.get("run_type") == "aggregate":
+                continue
+            table, problem, solver = run["name"].split("/")[:3]
+            runs.setdefault(table, {}).setdefault(problem, {}).setdefault(solver, []).append(run)
+    for problems in runs.values():
+        for solvers in problems.values():
+            for solver, repetitions in solvers.items():
+                solvers[solver] = merge(repetitions)
+    return runs, context
+
+
+def merge(repetitions):
+    merged = {"label": repetitions[0].get("label", "")}
+    errors = [run["error_message"] for run in repetitions if run.get("error_occurred")]
+    if errors:
+        return merged | {"error": errors[0]}
+    for key, value in repetitions[0].items():
+        if isinstance(value, (int, float)):
+            merged[key] = statistics.median(run[key] for run in repetitions)
+    return merged
+
+
+def short(value):
+    """Three digits."""
+    return f"{value:.0f}" if value >= 100 else f"{value:.1f}" if value >= 10 else f"{value:.2f}"
+
+
+def print_table(title, header, rows):
+    print(f"\n## {title}\n")
+    print("| " + " | ".join(header) + " |")
+    print("|" + "---|" * len(header))
+    for row in rows:
+        print("| " + " | ".join(row) + " |")
+
+
+def ours(solvers):
+    return {name: run for name, run in solvers.items() if name.startswith("graphsolve") and "error" not in run}
+
+
+def fastest(solvers):
+    """Of the packages that solve this very matrix: a positive definite twin is another one."""
+    solved = {name: run for name, run in solvers.items()
+              if not name.startswith("graphsolve") and "error" not in run and not run["label"]}
+    return min(solved.items(), key=lambda item: item[1]["total_us"]) if solved else (None, None)
+
+
+def verdict(value, bar, smaller=False):
+    good = value <= bar if smaller else value >= bar
+    return f"{value:.2f} ({'<=' if smaller else '>='} {bar:g}: {'pass' if good else 'FAIL'})"
+
+
+def all_solvers(problems):
+    names = []
+    for solvers in problems.values():
+        names += [name for name in solvers if name not in names]
+    return names
+
+
+def times(runs, table, title):
+    problems = runs.get(table, {})
+    if not problems:
+        return
+    names = all_solvers(problems)
+    cell = lambda run: ("" if run is None else run["error"] if "error" in run
+                        else f"{short(run['refactor_us'])} / {short(run['solve_us'])}" + ("*" if run["label"] else ""))
+    print_table(title, ["us: refactor / solve"] + names,
+                [[problem] + [cell(solvers.get(name)) for name in names] for problem, solvers in problems.items()])
+    if any(run.get("label") for solvers in problems.values() for run in solvers.values()):
+        print("\n\\* on a positive definite matrix of the same pattern")
+
+
+def family(problem):
+    return problem.split(" ")[0].rstrip(",")
+
+
+def bars_of_item_1(runs):
+    problems, rows = runs.get("speed", {}), []
+    for problem, solvers in problems.items():
+        if "," in problem or not ours(solvers):
+            continue
+        name, us = min(ours(solvers).items(), key=lambda item: item[1]["total_us"])
+        rival, them = fastest(solvers)
+        simplicial, supernodal = solvers.get("CHOLMOD simplicial", {}), solvers.get("CHOLMOD supernodal", {})
+        ratio = lambda run: run["total_us"] / us["total_us"] if run and "total_us" in run else None
+        kind, bars = family(problem), []
+        if kind in ("chain", "tree", "quadruped", "loop", "ladder"):
+            bars = [(ratio(them), 3.5, f"fastest, {rival}"), (ratio(simplicial), 5, "simplicial")]
+        elif kind == "grid":
+            bars = [(ratio(simplicial), 10, "simplicial"), (ratio(supernodal), 4, "supernodal")]
+        elif kind == "control":
+            bars = [(ratio(them), 5, f"fastest, {rival}")]
+        else:
+            bars = [(ratio(them), 1, f"fastest, {rival}")]
+        rows.append([problem, name.replace("graphsolve ", ""), short(us["total_us"])] +
+                    [f"{verdict(value, bar)} {against}" for value, bar, against in bars if value] + [""] * (2 - len(bars)))
+    print_table("Refactor + solve, times faster (issue 3, item 1)", ["problem", "fastest of ours", "us", "", ""], rows)
+    rows = []
+    for problem, solvers in problems.items():
+        ldu, ldlt = solvers.get("graphsolve ldu", {}), solvers.get("graphsolve ldlt", {})
+        if family(problem) in ("chain", "tree", "quadruped") and "total_us" in ldu and "total_us" in ldlt:
+            rows.append([problem, verdict(ldu["total_us"] / ldlt["total_us"], 1.3, smaller=True)])
+    if rows:
+        print_table("LDU over LDL' on trees", ["problem", "ratio"], rows)
+
+
+def bars_of_item_2(runs, scale):
+    fill_bars = {"chain": 1.0, "tree": 1.0, "quadruped": 1.0, "control": 1.0, "loop": 1.3, "ladder": 1.45, "grid": 3.5}
+    rows = []
+    for problem, solvers in runs.get("speed", {}).items():
+        for name, run in ours(solvers).items():
+            if "fill" not in run or "," in problem:
+                continue
+            kind, per_node = family(problem), run["analysis_us"] * scale / run["nodes"]
+            fill = verdict(run["fill"], fill_bars[kind], smaller=True) if kind in fill_bars else short(run["fill"])
+            analysis = short(per_node) if kind in ("grid", "random") else verdict(per_node, 2, smaller=True)
+            rows.append([problem, name, fill, analysis])
+            break
+    print_table("Fill and analysis of the default ordering (issue 3, item 2)",
+                ["problem", "solver", "fill", "ordering + symbolic, us per node on the unit"], rows)
+
+
+def bars_of_issue_4(runs):
+    rows = []
+    singles = {"chain 1000": (8, 16), "tree 10000": (5, 10)}
+    for problem, solvers in runs.get("speed", {}).items():
+        if problem in singles:
+            rows.append(row_of_issue_4("one " + problem, solvers, *singles[problem]))
+    for problem, solvers in runs.get("batch of 8", {}).items():
+        rows.append(row_of_issue_4("8 x " + problem + ", per system", solvers, 10, 13))
+    print_table("Refactor + solve against the fastest package (issue 4)",
+                ["problem", "fastest of ours", "us", "fastest package", "us", "times faster", "aim"], [r for r in rows if r])
+
+
+def row_of_issue_4(title, solvers, bar, aim):
+    rival, them = fastest(solvers)
+    if not ours(solvers) or not them:
+        return None
+    name, us = min(ours(solvers).items(), key=lambda item: item[1]["total_us"])
+    return [title, name.replace("graphsolve ", ""), short(us["total_us"]), rival, short(them["total_us"]),
+            verdict(them["total_us"] / us["total_us"], bar), f"{aim}"]
+
+
+def error_cell(run):
+    if run is None:
+        return ""
+    if "error" in run:
+        return run["error"]
+    return f"{run.get('refined_error', run['backward_error']):.1e}"
+
+
+def hard(runs, full):
+    problems = runs.get("hard", {})
+    if not problems:
+        return
+    names = all_solvers(problems)
+    title = "Componentwise backward error (graphsolve: after refinement; bar 1e-15)"
+    if full:
+        print_table(title, ["problem"] + names, [[problem] + [error_cell(solvers.get(name)) for name in names]
+                                                 for problem, solvers in problems.items()])
+        return
+    groups = {}
+    for problem, solvers in problems.items():
+        parts = [part for part in problem.split(", ")[1:] if part != "leaves"]
+        groups.setdefault(", ".join(parts) or "plain", []).append(solvers)
+    print_table(title + ": worst of the families", ["kind"] + names,
+                [[kind] + [worst([s[name] for s in members if name in s]) for name in names]
+                 for kind, members in groups.items()])
+
+
+def worst(members):
+    failed = [run["error"] for run in members if "error" in run]
+    errors = [run.get("refined_error", run["backward_error"]) for run in members if "error" not in run]
+    text = f"{max(errors):.1e}" if errors else ""
+    return text + (f" {len(failed)} of {len(members)} failed ({failed[0]})" if failed else "")
+
+
+def real(runs):
+    problems, rows = runs.get("real", {}), []
+    if not problems:
+        return
+    names = all_solvers(problems)
+    for problem, solvers in problems.items():
+        cholmod = [run["refactor_us"] for name, run in solvers.items() if name.startswith("CHOLMOD")
+                   and "error" not in run and not run["label"]]
+        us = [run["refactor_us"] for run in ours(solvers).values()]
+        ratio = verdict(min(us) / min(cholmod), 1.5, smaller=True) if us and cholmod else ""
+        cell = lambda run: ("" if run is None else run["error"] if "error" in run else
+                            f"{short(run['refactor_us'])} ({error_cell(run)})" + ("*" if run["label"] else ""))
+        rows.append([problem] + [cell(solvers.get(name)) for name in names] + [ratio])
+    print_table("Real matrices: factor time in us (backward error)",
+                ["matrix"] + names + ["ours over CHOLMOD's fastest"], rows)
+    print("\n\\* on a positive definite matrix of the same pattern")
+
+
+def main():
+    paths = [argument for argument in sys.argv[1:] if not argument.startswith("-")]
+    if not paths or set(sys.argv[1:]) - set(paths) - {"--full"}:
+        print(__doc__, file=sys.stderr)
+        return 2
+    runs, context = load(paths)
+    unit = float(context["unit_ns"])
+    print(f"unit {unit:.0f} ns (reference {REFERENCE_UNIT:.0f}); {context.get('cpu', '')}, {context['num_cpus']} cores; "
+          f"{context['compiler']}, {context['flags'].strip()}; {context.get('packages', 'no packages to compare with')}, "
+          f"BLAS {context.get('blas', '-')}; commit {context['commit']}; {context['date']}; one thread, thread CPU time, medians")
+    times(runs, "speed", "Symmetric values")
+    bars_of_item_1(runs)
+    bars_of_item_2(runs, REFERENCE_UNIT / unit)
+    bars_of_issue_4(runs)
+    times(runs, "unsymmetric", "Unsymmetric values")
+    times(runs, "batch of 8", "Batch of 8 equal systems, per system")
+    hard(runs, "--full" in sys.argv)
+    real(runs)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
