@@ -1,0 +1,114 @@
+#pragma once
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <queue>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "spaces.hpp"
+
+namespace pose_graph {
+
+/// Poses, numbered in the order of their ids, and measured relative poses with their information matrices.
+template <class S>
+struct Graph {
+  struct Edge {
+    int from, to;
+    typename S::Pose measured;
+    typename S::Matrix information;
+  };
+  int poses = 0;
+  std::vector<Edge> edges;
+  std::vector<typename S::Pose> guess;  ///< the file's own; empty when it does not give all of them
+};
+
+/// Reads the vertices and edges of one space from a .g2o file; other lines (FIX, parameters) are passed over.
+/// Throws std::runtime_error with file, line and what is wrong there.
+template <class S>
+Graph<S> read_g2o(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw std::runtime_error(path + ": cannot be opened");
+  std::map<long, typename S::Pose> vertices;
+  std::map<long, int> number;
+  struct Named {
+    long from, to;
+    typename S::Pose measured;
+    typename S::Matrix information;
+  };
+  std::vector<Named> edges;
+  std::string line, tag;
+  for (int count = 1; std::getline(file, line); ++count) {
+    std::istringstream in(line);
+    if (!(in >> tag)) continue;
+    if (tag == S::vertex_tag) {
+      long id = 0;
+      in >> id;
+      vertices[id] = S::read(in);
+      number[id] = 0;
+    } else if (tag == S::edge_tag) {
+      Named e{};
+      in >> e.from >> e.to;
+      e.measured = S::read(in);
+      for (int i = 0; i < S::size; ++i)
+        for (int j = i; j < S::size; ++j) {
+          in >> e.information(i, j);
+          e.information(j, i) = e.information(i, j);
+        }
+      number[e.from] = number[e.to] = 0;
+      edges.push_back(e);
+    } else {
+      continue;
+    }
+    if (!in) throw std::runtime_error(path + ", line " + std::to_string(count) + ": a number is missing after " + tag);
+  }
+  if (edges.empty()) throw std::runtime_error(path + ": no line begins with " + S::edge_tag);
+  Graph<S> graph;
+  for (auto& [id, index] : number) index = graph.poses++;
+  for (const Named& e : edges) graph.edges.push_back({number[e.from], number[e.to], e.measured, e.information});
+  if (static_cast<int>(vertices.size()) == graph.poses)
+    for (const auto& [id, pose] : vertices) graph.guess.push_back(pose);
+  return graph;
+}
+
+/// Starts: measurements added up along the edges of a breadth-first tree from pose 0 (few edges deep), or along
+/// consecutive poses first (the odometry). Throws std::runtime_error naming a pose that no edges lead to.
+enum class Walk { breadth_first, odometry };
+template <class S>
+std::vector<typename S::Pose> add_up(const Graph<S>& graph, Walk walk) {
+  std::vector<std::vector<int>> at(graph.poses);
+  for (int e = 0; e < static_cast<int>(graph.edges.size()); ++e) {
+    at[graph.edges[e].from].push_back(e);
+    at[graph.edges[e].to].push_back(e);
+  }
+  std::vector<typename S::Pose> pose(graph.poses);
+  std::vector<char> known(graph.poses, 0);
+  std::queue<int> waiting({0});
+  known[0] = 1;
+  const auto follow = [&](int e, int from) {
+    const auto& edge = graph.edges[e];
+    const int to = edge.from == from ? edge.to : edge.from;
+    if (known[to]) return;
+    pose[to] = S::compose(pose[from], edge.from == from ? edge.measured : S::inverse(edge.measured));
+    known[to] = 1;
+    waiting.push(to);
+  };
+  if (walk == Walk::odometry)
+    for (int k = 0; k + 1 < graph.poses && known[k]; ++k)
+      for (const int e : at[k])
+        if (std::max(graph.edges[e].from, graph.edges[e].to) == k + 1) follow(e, k);
+  while (!waiting.empty()) {
+    const int k = waiting.front();
+    waiting.pop();
+    for (const int e : at[k]) follow(e, k);
+  }
+  const auto lost = std::find(known.begin(), known.end(), 0);
+  if (lost != known.end())
+    throw std::runtime_error("no edges lead from the first pose to pose number " + std::to_string(lost - known.begin()));
+  return pose;
+}
+
+}  // namespace pose_graph
