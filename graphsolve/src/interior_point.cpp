@@ -58,7 +58,7 @@ Status InteriorPoint::solve(std::span<double> x, double force_factor, std::span<
     evaluate();
   }
   Status worst = Status::solved;
-  for (int c = 0; c < static_cast<int>(reports_.size()); ++c) {
+  for (const int c : selected_) {
     if (reports_[c].status != Status::solved) {
       worst = reports_[c].status;
       continue;

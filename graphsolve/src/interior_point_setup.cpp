@@ -43,6 +43,8 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   factorization_.allow_refinement();
   factorization_.set_saddle_shift(saddle_shift);
   reports_.resize(components);
+  selected_.resize(components);
+  std::iota(selected_.begin(), selected_.end(), 0);
   running_.reserve(components);
   keep_running_.reserve(components);
 }
@@ -86,8 +88,7 @@ void InteriorPoint::set_running() {
 void InteriorPoint::begin(std::span<const double> x, double force_factor, std::span<const double> noise) {
   std::copy(x.begin(), x.end(), x_.begin());
   std::copy(x.begin(), x.end(), start_.begin());
-  running_.resize(reports_.size());
-  std::iota(running_.begin(), running_.end(), 0);
+  running_.assign(selected_.begin(), selected_.end());
   set_running();
   for (const int c : running_) {
     reports_[c] = {};
@@ -152,6 +153,10 @@ void InteriorPoint::set_default_scales() {
       scale = diagonal > 0 ? 1 / diagonal : 1.0;
     }
   scales_known_ = true;
+}
+
+void InteriorPoint::set_row_scale(NodeId node, std::span<const double> scale) {
+  std::copy(scale.begin(), scale.end(), row_scale_.begin() + problem_.graph().row(node));
 }
 
 void InteriorPoint::restart_cold(int c, double velocity) {

@@ -15,6 +15,7 @@ struct RigidBody {
   Mat3 inertia;
   double smallest_inertia;  ///< principal moment
   int first_member;
+  double island_mass = 0;  ///< largest mass of what hangs together with it; known to the Stepper
 };
 
 /// Frame of a described body in that of a rigid body: x = X + R offset, q = Q rotation.

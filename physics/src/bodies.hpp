@@ -34,6 +34,11 @@ class Bodies final : public graphsolve::Term {
     known_linear.emplace_back(Vec3::Zero());
     known_angular.emplace_back(Vec3::Zero());
   }
+  /// Other numbers for body i.
+  void set(int i, const RigidBody& body) {
+    mass[i] = body.mass;
+    inertia[i] = body.inertia;
+  }
 
   // By body.
   std::vector<double> mass;

@@ -19,8 +19,15 @@ class ContactPort {
   std::array<graphsolve::NodeId, 1> nodes;
 
   ContactPort(Bodies& bodies, int body, const Vec3& point, const Vec3& normal, double offset, double radius)
-      : nodes{bodies.node(body)}, bodies_(&bodies), body_(body), point_(point), radius_(radius), offset_(offset) {
+      : nodes{bodies.node(body)}, bodies_(&bodies), body_(body) {
+    place(point, normal, offset, radius);
+  }
+  /// Another point of the same body, another plane.
+  void place(const Vec3& point, const Vec3& normal, double offset, double radius) {
+    point_ = point;
     normal_ = normal;
+    offset_ = offset;
+    radius_ = radius;
   }
 
   void wire(const graphsolve::Wiring& wiring) {

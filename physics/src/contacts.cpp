@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 namespace physics {
 
@@ -13,42 +14,6 @@ constexpr double reach_margin = 0.02;   ///< [m/s]
 constexpr double broken_through = -1e-10;  ///< [m] a culled contact below this has to come back
 
 }  // namespace
-
-Contacts::Contacts(const Mechanism& mechanism, const Assembly& assembly, Bodies& bodies,
-                   std::span<const double> island_mass, std::optional<FrictionModel> model)
-    : bodies_(bodies) {
-  for (int k = 0; k < static_cast<int>(mechanism.contacts.size()); ++k) {
-    const Contact& c = mechanism.contacts[k];
-    const Placement& place = assembly.placement[c.body.index];
-    const Vec3 point = place.offset + place.rotation * c.point;
-    const double offset = c.normal.dot(c.plane_point);
-    if (place.body < 0) {
-      world_contacts_.push_back(k);
-      world_distance_.push_back(c.normal.dot(point) - offset - c.radius);
-      continue;
-    }
-    const double island = island_mass[place.body];
-    const RigidBody& body = assembly.bodies[place.body];
-    const double stiffness = largest_stiffness(body.mass, body.smallest_inertia, point.norm());
-    Entry entry{.source = k, .batch = Batch::none, .index = -1, .aligned = false};
-    if (c.friction.value_or(0) > 0) {
-      entry.aligned = model.value_or(c.friction_model) == FrictionModel::aligned;
-      entry.batch = c.directions == 4 ? Batch::four : Batch::any;
-      ContactPort<3> port(bodies, place.body, point, c.normal, offset, c.radius);
-      port.set_tangent(c.tangent.value_or(c.normal.unitOrthogonal()));
-      entry.index = entry.batch == Batch::four
-                        ? four_.add(port, PyramidLaw<4>(*c.friction, island, stiffness, 4))
-                        : any_.add(port, PyramidLaw<0>(*c.friction, island, stiffness, c.directions));
-    } else {
-      entry.index = none_.add(ContactPort<1>(bodies, place.body, point, c.normal, offset, c.radius),
-                              graphsolve::Nonnegative(island, stiffness));
-    }
-    contacts_.push_back(entry);
-  }
-  list_[0].reserve(four_.size());
-  list_[1].reserve(any_.size());
-  list_[2].reserve(none_.size());
-}
 
 template <class F>
 auto Contacts::visit(const Entry& entry, F&& f) {
@@ -66,48 +31,128 @@ auto Contacts::visit(const Entry& entry, F&& f) const {
       entry, [&](const auto& port, const auto& law) { return f(port, law); });
 }
 
+template <class F>
+void Contacts::each_entry(int lane, F&& f) {
+  for (int i = 0; i < per_lane_; ++i) f(contacts_[side_by_side_.index(lane, i, per_lane_)]);
+}
+
+template <class F>
+void Contacts::each_entry(int lane, F&& f) const {
+  for (int i = 0; i < per_lane_; ++i) f(contacts_[side_by_side_.index(lane, i, per_lane_)]);
+}
+
+Contacts::Contacts(Bodies& bodies, const Interleaving& side_by_side, const Mechanism& mechanism,
+                   const Assembly& assembly)
+    : bodies_(bodies), side_by_side_(side_by_side) {
+  std::vector<int> sources;
+  const auto rigid = [&](int k) { return assembly.placement[mechanism.contacts[k].body.index].body; };
+  for (int k = 0; k < static_cast<int>(mechanism.contacts.size()); ++k)
+    (rigid(k) < 0 ? world_contacts_ : sources).push_back(k);
+  per_lane_ = static_cast<int>(sources.size());
+  world_distance_.resize(world_contacts_.size() * side_by_side_.copies());
+  const int bodies_per_lane = static_cast<int>(assembly.bodies.size());
+  side_by_side_.each(per_lane_, [&](int lane, int i) {
+    const int k = sources[i];
+    add(mechanism.contacts[k], k, side_by_side_.index(lane, rigid(k), bodies_per_lane));
+  });
+  list_[0].reserve(four_.size());
+  list_[1].reserve(any_.size());
+  list_[2].reserve(none_.size());
+}
+
+void Contacts::add(const Contact& contact, int source, int body) {
+  const auto port = [&]<int Rows>(std::integral_constant<int, Rows>) {
+    return ContactPort<Rows>(bodies_, body, contact.point, contact.normal, 0, 0);
+  };
+  Entry entry{.source = source, .batch = Batch::none, .index = -1, .aligned = false};
+  if (!(contact.friction.value_or(0) > 0)) {
+    entry.index = none_.add(port(std::integral_constant<int, 1>{}), graphsolve::Nonnegative());
+  } else if (contact.directions == 4) {
+    entry.batch = Batch::four;
+    entry.index = four_.add(port(std::integral_constant<int, 3>{}), PyramidLaw<4>(1, 1, 1, 4));
+  } else {
+    entry.batch = Batch::any;
+    entry.index = any_.add(port(std::integral_constant<int, 3>{}), PyramidLaw<0>(1, 1, 1, contact.directions));
+  }
+  contacts_.push_back(entry);
+}
+
+void Contacts::set(int lane, const Mechanism& mechanism, const Assembly& assembly) {
+  const auto placed_point = [&](const Contact& c) {
+    const Placement& place = assembly.placement[c.body.index];
+    return Vec3(place.offset + place.rotation * c.point);
+  };
+  for (std::size_t i = 0; i < world_contacts_.size(); ++i) {
+    const Contact& c = mechanism.contacts[world_contacts_[i]];
+    world_distance_[lane * world_contacts_.size() + i] =
+        c.normal.dot(placed_point(c)) - c.normal.dot(c.plane_point) - c.radius;
+  }
+  each_entry(lane, [&](Entry& entry) {
+    const Contact& c = mechanism.contacts[entry.source];
+    const RigidBody& body = assembly.bodies[assembly.placement[c.body.index].body];
+    const Vec3 point = placed_point(c);
+    const double stiffness = largest_stiffness(body.mass, body.smallest_inertia, point.norm());
+    entry.aligned = entry.batch != Batch::none && c.friction_model == FrictionModel::aligned;
+    visit(entry, [&]<class PortType, class Law>(PortType& port, Law& law) {
+      port.place(point, c.normal, c.normal.dot(c.plane_point), c.radius);
+      if constexpr (PortType::rows == 3) {
+        port.set_tangent(c.tangent.value_or(c.normal.unitOrthogonal()));
+        law = Law(*c.friction, body.island_mass, stiffness, c.directions);
+      } else {
+        law = Law(body.island_mass, stiffness);
+      }
+    });
+  });
+}
+
 void Contacts::register_with(graphsolve::Problem& problem) {
   if (four_.size() > 0) batch_number_[0] = problem.add(four_);
   if (any_.size() > 0) batch_number_[1] = problem.add(any_);
   if (none_.size() > 0) batch_number_[2] = problem.add(none_);
 }
 
-void Contacts::prepare(std::span<const double> velocity, double dt, const Vec3& gravity, bool cull,
-                       graphsolve::InteriorPoint& solver) {
-  const double fall = 2 * gravity.norm() * dt;
-  for (Entry& entry : contacts_) {
+Contacts::Reach Contacts::prepare(int lane, std::span<const double> velocity, const Step& step) {
+  Reach reach;
+  const double fall = 2 * step.gravity.norm() * step.dt;
+  each_entry(lane, [&](Entry& entry) {
     entry.loaded = entry.active;
     visit(entry, [&](auto& port, auto& law) {
-      const int body = port.body(), row = bodies_.row[body];
-      const Pose& pose = bodies_.now[body];
+      const int row = bodies_.row[port.body()];
+      const Pose& pose = bodies_.now[port.body()];
       const Eigen::Map<const Vec3> v(velocity.data() + row), w(velocity.data() + row + 3);
-      const Vec3 point = port.contact_point(pose);
-      const double vn = port.normal().dot(v + pose.rotation * w.cross(point));
+      const double vn = port.normal().dot(v + pose.rotation * w.cross(port.contact_point(pose)));
+      const double distance = port.distance(pose);
+      reach.smallest_distance = std::min(reach.smallest_distance, distance);
       // Cannot be reached: even after two steps of free fall and a quarter more speed there is a gap left.
-      entry.active =
-          !cull || !(port.distance(pose) / dt + vn - fall - 0.25 * std::abs(vn) > reach_margin);
-      if (!entry.active) return;
-      if constexpr (std::decay_t<decltype(port)>::rows == 3) {
-        if (!entry.loaded) law.clear();
-        if (entry.aligned) align(port, law, velocity, gravity, dt, entry.loaded);
-      } else if (!entry.loaded) {
-        law.set_force(0);
-      }
-      port.prepare();
+      entry.active = !step.cull || !(distance / step.dt + vn - fall - 0.25 * std::abs(vn) > reach_margin);
+      if (entry.active) prepare_entry(entry, port, law, velocity, step);
     });
+    if (entry.active) ++reach.active;
+  });
+  return reach;
+}
+
+template <class PortType, class Law>
+void Contacts::prepare_entry(Entry& entry, PortType& port, Law& law, std::span<const double> velocity,
+                             const Step& step) {
+  if constexpr (PortType::rows == 3) {
+    if (!entry.loaded) law.clear();
+    // A contact without a history is expected to slip the way gravity pulls.
+    if (entry.aligned) align(port, law, velocity, entry.loaded ? Vec3(Vec3::Zero()) : Vec3(step.dt * step.gravity));
+    if (step.force_factor != 1) law.scale_impulses(step.force_factor);
+  } else {
+    law.set_force(entry.loaded ? law.force() * step.force_factor : 0);
   }
-  activate(solver);
+  port.prepare();
 }
 
 /// Turns t1 against the slip, so that sliding friction lies along one facet.
 template <class PortType, class Law>
-void Contacts::align(PortType& port, Law& law, std::span<const double> velocity, const Vec3& gravity, double dt,
-                     bool loaded) {
+void Contacts::align(PortType& port, Law& law, std::span<const double> velocity, const Vec3& pull) {
   const int row = bodies_.row[port.body()];
   const Pose& pose = bodies_.now[port.body()];
   const Eigen::Map<const Vec3> v(velocity.data() + row), w(velocity.data() + row + 3);
-  // A contact without a history is expected to slip the way gravity pulls.
-  const Vec3 u = v + pose.rotation * w.cross(port.contact_point(pose)) + (loaded ? Vec3::Zero() : Vec3(dt * gravity));
+  const Vec3 u = v + pose.rotation * w.cross(port.contact_point(pose)) + pull;
   const double u1 = port.tangent1().dot(u), u2 = port.tangent2().dot(u), speed = std::sqrt(u1 * u1 + u2 * u2);
   double f[2];
   law.friction_impulse(f);
@@ -131,20 +176,16 @@ void Contacts::align(PortType& port, Law& law, std::span<const double> velocity,
 
 void Contacts::activate(graphsolve::InteriorPoint& solver) {
   for (auto& list : list_) list.clear();
-  active_count_ = 0;
-  for (const Entry& entry : contacts_) {
-    if (!entry.active) continue;
-    list_[static_cast<int>(entry.batch)].push_back(entry.index);
-    ++active_count_;
-  }
+  for (const Entry& entry : contacts_)
+    if (entry.active) list_[static_cast<int>(entry.batch)].push_back(entry.index);
   for (int b = 0; b < 3; ++b)
     if (batch_number_[b] >= 0) solver.activate(batch_number_[b], list_[b]);
 }
 
-int Contacts::put_back(graphsolve::InteriorPoint& solver) {
+int Contacts::put_back(int lane) {
   int count = 0;
-  for (Entry& entry : contacts_) {
-    if (entry.active) continue;
+  each_entry(lane, [&](Entry& entry) {
+    if (entry.active) return;
     visit(entry, [&](auto& port, auto& law) {
       if (!(port.distance(bodies_.next[port.body()]) < broken_through)) return;
       entry.active = true;
@@ -153,32 +194,34 @@ int Contacts::put_back(graphsolve::InteriorPoint& solver) {
       port.prepare();
       ++count;
     });
-  }
-  if (count > 0) activate(solver);
+  });
   return count;
 }
 
-int Contacts::source(int batch, int instance) const {
-  for (const Entry& entry : contacts_)
-    if (batch_number_[static_cast<int>(entry.batch)] == batch && entry.index == instance) return entry.source;
-  return -1;
+int Contacts::source(int lane, int batch, int instance) const {
+  int source = -1;
+  each_entry(lane, [&](const Entry& entry) {
+    if (batch_number_[static_cast<int>(entry.batch)] == batch && entry.index == instance) source = entry.source;
+  });
+  return source;
 }
 
-double Contacts::smallest_distance() const {
+double Contacts::smallest_distance(int lane) const {
   double smallest = std::numeric_limits<double>::infinity();
-  for (const Entry& entry : contacts_)
+  each_entry(lane, [&](const Entry& entry) {
     smallest = std::min(smallest, visit(entry, [&](const auto& port, const auto&) {
                           return port.distance(bodies_.now[port.body()]);
                         }));
+  });
   return smallest;
 }
 
-void Contacts::clear() {
-  for (Entry& entry : contacts_) entry.active = entry.loaded = false;
+void Contacts::clear(int lane) {
+  each_entry(lane, [](Entry& entry) { entry.active = entry.loaded = false; });
 }
 
-void Contacts::load_record(std::span<const ContactRecord> records, double impulse_time) {
-  for (Entry& entry : contacts_) {
+void Contacts::load_record(int lane, std::span<const ContactRecord> records, double impulse_time) {
+  each_entry(lane, [&](Entry& entry) {
     const ContactRecord& record = records[entry.source];
     visit(entry, [&](auto& port, auto& law) {
       entry.active = record.normal_force > 0;
@@ -195,15 +238,15 @@ void Contacts::load_record(std::span<const ContactRecord> records, double impuls
         law.set_force(record.normal_force * impulse_time);
       }
     });
-  }
+  });
 }
 
-void Contacts::write_record(std::span<ContactRecord> records, double impulse_time) const {
-  for (std::size_t k = 0; k < world_contacts_.size(); ++k) {
-    records[world_contacts_[k]] = {};
-    records[world_contacts_[k]].distance = world_distance_[k];
+void Contacts::write_record(int lane, std::span<ContactRecord> records, double impulse_time) const {
+  for (std::size_t i = 0; i < world_contacts_.size(); ++i) {
+    records[world_contacts_[i]] = {};
+    records[world_contacts_[i]].distance = world_distance_[lane * world_contacts_.size() + i];
   }
-  for (const Entry& entry : contacts_) {
+  each_entry(lane, [&](const Entry& entry) {
     ContactRecord& record = records[entry.source];
     visit(entry, [&](const auto& port, const auto& law) {
       const bool pressed = entry.active && impulse_time > 0;
@@ -223,7 +266,7 @@ void Contacts::write_record(std::span<ContactRecord> records, double impulse_tim
         record.normal_force = law.force() / impulse_time;
       }
     });
-  }
+  });
 }
 
 }  // namespace physics

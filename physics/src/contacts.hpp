@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -8,40 +9,51 @@
 #include "graphsolve/interior_point.hpp"
 #include "graphsolve/nonnegative.hpp"
 #include "graphsolve/port_batch.hpp"
+#include "interleaving.hpp"
 #include "physics/trajectory.hpp"
 #include "pyramid_law.hpp"
 
 namespace physics {
 
-/// All contacts of a scene in three batches: four facets, any number of facets, no friction. Decides before
-/// each step which of them can be reached, and turns the friction basis of `aligned` ones.
+/// All contacts of equal scenes side by side (lanes), in three batches: four facets, any number of facets, no
+/// friction. Decides before each step which of them can be reached, and turns the friction basis of `aligned` ones.
 class Contacts {
  public:
-  /// island_mass: largest mass of the island of each rigid body.
-  Contacts(const Mechanism& mechanism, const Assembly& assembly, Bodies& bodies, std::span<const double> island_mass,
-           std::optional<FrictionModel> model);
+  /// Numbers are given by set(), for each lane.
+  Contacts(Bodies& bodies, const Interleaving& side_by_side, const Mechanism& mechanism, const Assembly& assembly);
+  /// What the scene of a lane says of its contacts.
+  void set(int lane, const Mechanism& mechanism, const Assembly& assembly);
 
   void register_with(graphsolve::Problem& problem);
   /// Contacts of bodies that are part of the world are left out altogether.
-  [[nodiscard]] int size() const { return static_cast<int>(contacts_.size()); }
+  [[nodiscard]] int size_of_lane() const { return per_lane_; }
   [[nodiscard]] int frictionless() const { return none_.size(); }
-  /// Index in Mechanism::contacts of an instance of a batch, as the problem numbers them; -1: none.
-  [[nodiscard]] int source(int batch, int instance) const;
-  [[nodiscard]] int active() const { return active_count_; }
+  /// Index in Mechanism::contacts of an instance of a batch, as the problem numbers them; -1: not one of this lane.
+  [[nodiscard]] int source(int lane, int batch, int instance) const;
 
-  /// Before a step: distances, culling, tangents, force directions, lists of the solver.
-  /// velocity: the unknowns (v, w) of the last step. cull: leave out what cannot be reached.
-  void prepare(std::span<const double> velocity, double dt, const Vec3& gravity, bool cull,
-               graphsolve::InteriorPoint& solver);
+  struct Step {
+    double dt = 0;
+    Vec3 gravity = Vec3::Zero();
+    double force_factor = 1;  ///< impulses of this step over those of the last, at equal forces
+    bool cull = true;         ///< leave out what cannot be reached
+  };
+  struct Reach {
+    int active = 0;
+    double smallest_distance = std::numeric_limits<double>::infinity();  ///< [m]
+  };
+  /// Before a step: distances, culling, tangents, force directions. velocity: the unknowns (v, w) of the last step.
+  Reach prepare(int lane, std::span<const double> velocity, const Step& step);
   /// After a solve: puts back culled contacts that the step broke through. Returns how many.
-  int put_back(graphsolve::InteriorPoint& solver);
+  int put_back(int lane);
+  /// Tells the solver which contacts exist. After prepare and put_back.
+  void activate(graphsolve::InteriorPoint& solver);
 
-  [[nodiscard]] double smallest_distance() const;  ///< at `now`
-  void write_record(std::span<ContactRecord> records, double impulse_time) const;
+  [[nodiscard]] double smallest_distance(int lane) const;  ///< at `now`
+  void write_record(int lane, std::span<ContactRecord> records, double impulse_time) const;
   /// After the state was set from outside: no contact remembers a force.
-  void clear();
+  void clear(int lane);
   /// Takes up forces and friction bases of a record; impulse_time: of the step that made them [s].
-  void load_record(std::span<const ContactRecord> records, double impulse_time);
+  void load_record(int lane, std::span<const ContactRecord> records, double impulse_time);
 
  private:
   enum class Batch { four, any, none };
@@ -57,21 +69,28 @@ class Contacts {
   auto visit(const Entry& entry, F&& f);
   template <class F>
   auto visit(const Entry& entry, F&& f) const;
-  void activate(graphsolve::InteriorPoint& solver);
+  template <class F>
+  void each_entry(int lane, F&& f);
+  template <class F>
+  void each_entry(int lane, F&& f) const;
+  void add(const Contact& contact, int source, int body);
   template <class PortType, class Law>
-  void align(PortType& port, Law& law, std::span<const double> velocity, const Vec3& gravity, double dt, bool loaded);
+  void prepare_entry(Entry& entry, PortType& port, Law& law, std::span<const double> velocity, const Step& step);
+  template <class PortType, class Law>
+  void align(PortType& port, Law& law, std::span<const double> velocity, const Vec3& pull);
 
   Bodies& bodies_;
+  Interleaving side_by_side_;
+  int per_lane_ = 0;
   graphsolve::PortLawBatch<ContactPort<3>, PyramidLaw<4>> four_;
   graphsolve::PortLawBatch<ContactPort<3>, PyramidLaw<0>> any_;
   graphsolve::PortLawBatch<ContactPort<1>, graphsolve::Nonnegative> none_;
   std::vector<Entry> contacts_;
-  std::vector<int> world_contacts_;  ///< sources of contacts of bodies that cannot move
-  std::vector<double> world_distance_;
+  std::vector<int> world_contacts_;     ///< sources of contacts of bodies that cannot move
+  std::vector<double> world_distance_;  ///< of these, lane by lane
   std::vector<int> list_[3];
   int batch_number_[3] = {-1, -1, -1};
   std::vector<double> facet_impulses_;  ///< scratch of load_record
-  int active_count_ = 0;
 };
 
 }  // namespace physics

@@ -39,19 +39,24 @@ int Joints::rows_of(const JointGeometry& geometry, const Motor* motor) {
 
 void Joints::add(const JointGeometry& geometry, const Motor* motor, graphsolve::NodeId node) {
   Joint joint{};
-  joint.geometry = geometry;
-  joint.motor = motor;
   joint.nodes[0] = node;
   joint.node_count = 1;
   if (geometry.child >= 0) joint.nodes[joint.node_count++] = bodies_.node(geometry.child);
   if (geometry.parent >= 0) joint.nodes[joint.node_count++] = bodies_.node(geometry.parent);
+  joints_.push_back(joint);
+  set(size() - 1, geometry, motor);
+}
+
+void Joints::set(int i, const JointGeometry& geometry, const Motor* motor) {
+  Joint& joint = joints_[i];
+  joint.geometry = geometry;
+  joint.motor = motor;
   joint.translation_rows = geometry.type == JointType::prismatic ? 2 : 3;
   joint.rotation_rows = geometry.type == JointType::spherical ? 0 : geometry.type == JointType::revolute ? 2 : 3;
   joint.rows = rows_of(geometry, motor);
   const Mat3 frame = frame_about(geometry.axis);
   joint.translation = geometry.type == JointType::prismatic ? frame : Mat3::Identity();
   joint.rotation = geometry.type == JointType::revolute ? frame : Mat3::Identity();
-  joints_.push_back(joint);
 }
 
 void Joints::wire(const graphsolve::Wiring& wiring) {
@@ -156,8 +161,8 @@ double Joints::motor_residual(Joint& joint, double lambda, double& diagonal, boo
   const double wanted = motor.stiffness * (joint.target - joint.next_coordinate) - motor.damping * change / dt;
   limited = !(std::abs(wanted) < motor.limit);
   const double effort = limited ? std::copysign(motor.limit, wanted) : wanted;
-  diagonal = 1 / (impulse_time_ * (motor.stiffness * dt + motor.damping));
-  return (lambda - impulse_time_ * effort) * diagonal;
+  diagonal = 1 / (joint.impulse_time * (motor.stiffness * dt + motor.damping));
+  return (lambda - joint.impulse_time * effort) * diagonal;
 }
 
 void Joints::set_directions(Joint& joint, Pose parent, Pose child) {
@@ -185,23 +190,18 @@ void Joints::add_direction_derivative(const Joint& joint, const Vec3& impulse, d
   add(joint.geometry.parent, joint.parent_own, joint.geometry.parent_point, -1);
 }
 
-void Joints::prepare(double end_time, double impulse_time) {
-  impulse_time_ = impulse_time;
-  for (Joint& joint : joints_) {
-    set_directions(joint, bodies_.pose_now(joint.geometry.parent), bodies_.pose_now(joint.geometry.child));
-    if (joint.motor) joint.target = motor_target(*joint.motor, end_time);
-  }
+void Joints::prepare(int i, double end_time, double impulse_time) {
+  Joint& joint = joints_[i];
+  joint.impulse_time = impulse_time;
+  set_directions(joint, bodies_.pose_now(joint.geometry.parent), bodies_.pose_now(joint.geometry.child));
+  if (joint.motor) joint.target = motor_target(*joint.motor, end_time);
 }
 
-void Joints::commit() {
-  for (Joint& joint : joints_) joint.coordinate = joint.next_coordinate;
-}
-
-void Joints::reset_coordinates() {
-  for (Joint& joint : joints_)
-    if (joint.motor)
-      joint.coordinate =
-          coordinate(joint, bodies_.pose_now(joint.geometry.parent), bodies_.pose_now(joint.geometry.child));
+void Joints::reset_coordinate(int i) {
+  Joint& joint = joints_[i];
+  if (!joint.motor) return;
+  joint.coordinate =
+      coordinate(joint, bodies_.pose_now(joint.geometry.parent), bodies_.pose_now(joint.geometry.child));
 }
 
 namespace {

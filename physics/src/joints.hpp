@@ -22,14 +22,19 @@ class Joints final : public graphsolve::Term {
   /// Rows that a joint of this geometry has.
   static int rows_of(const JointGeometry& geometry, const Motor* motor);
   void add(const JointGeometry& geometry, const Motor* motor, graphsolve::NodeId node);
+  /// Other numbers for joint i, of the same type between the same bodies.
+  void set(int i, const JointGeometry& geometry, const Motor* motor);
 
   /// Before a step: force directions at `now`, motor state. end_time: of the step [s].
   /// impulse_time: what makes an impulse of a force, dt or half of it [s].
-  void prepare(double end_time, double impulse_time);
-  /// After a step that is kept: remembers the motors' coordinates.
-  void commit();
-  /// Sets the motors' coordinates from the poses `now`.
-  void reset_coordinates();
+  void prepare(int i, double end_time, double impulse_time);
+  /// After a step that is kept: remembers the motor's coordinate.
+  void commit(int i) { joints_[i].coordinate = joints_[i].next_coordinate; }
+  /// Keeps the motor's coordinate, or goes back to what was kept.
+  void save(int i) { joints_[i].saved_coordinate = joints_[i].coordinate; }
+  void restore(int i) { joints_[i].coordinate = joints_[i].saved_coordinate; }
+  /// Sets the motor's coordinate from the poses `now`.
+  void reset_coordinate(int i);
 
   [[nodiscard]] int size() const override { return static_cast<int>(joints_.size()); }
   [[nodiscard]] std::span<const graphsolve::NodeId> nodes(int i) const override {
@@ -66,8 +71,9 @@ class Joints final : public graphsolve::Term {
     graphsolve::BlockHandle own, to_parent, to_child, from_parent, from_child, parent_own, child_own;
     Matrix6 parent_force, child_force;  ///< force directions, rows x 6
     double coordinate = 0;              ///< of the motor at `now`
-    double next_coordinate = 0;
+    double next_coordinate = 0, saved_coordinate = 0;
     double target = 0;
+    double impulse_time = 0;  ///< impulse over force in this step [s]
     // Where the recorded body stood when the force acted on it: the child, or the parent of a child in the world.
     Mat3 force_rotation = Mat3::Identity();
     Vec3 force_arm = Vec3::Zero();  ///< from its centre to the child's joint point, world
@@ -85,7 +91,6 @@ class Joints final : public graphsolve::Term {
 
   Bodies& bodies_;
   std::vector<Joint> joints_;
-  double impulse_time_ = 0;
 };
 
 }  // namespace physics

@@ -83,6 +83,13 @@ class PyramidLaw {
     bound_.z = std::max(friction_ * normal_.z - sum, least);
   }
 
+  /// Impulses of a step of another length.
+  void scale_impulses(double factor) {
+    normal_.z *= factor;
+    bound_.z *= factor;
+    for (auto& f : facet_) f.z *= factor;
+  }
+
   void remember(double factor) {
     normal_.remember(1, factor);
     bound_.remember(1, factor);

@@ -66,8 +66,8 @@ TEST_P(JointDerivatives, MatchCentralDifferences) {
     const NodeId node = graph.add_node("joint", Joints::rows_of(g, driven), graphsolve::NodeKind::saddle);
     Joints joints(bodies);
     joints.add(g, driven, node);
-    joints.reset_coordinates();
-    joints.prepare(0.1, bodies.dt);
+    joints.reset_coordinate(0);
+    joints.prepare(0, 0.1, bodies.dt);
     graphsolve::Problem problem(graph);
     problem.add(bodies);
     problem.add(joints);
@@ -86,7 +86,7 @@ TEST_F(Derivatives, SphericalJointWithForcesAtTheNewConfigurationMatchesCentralD
   graph.add_node("b", 6);
   Joints joints(bodies);
   joints.add(g, nullptr, graph.add_node("joint", 3, graphsolve::NodeKind::saddle));
-  joints.prepare(0.1, bodies.dt);
+  joints.prepare(0, 0.1, bodies.dt);
   bodies.force_at_next = true;
   graphsolve::Problem problem(graph);
   problem.add(bodies);

@@ -45,7 +45,12 @@ class InteriorPoint {
   /// Which instances of a port batch exist in the next solves; all of them at first.
   void activate(int batch, std::span<const int> instances);
 
-  /// In: start. Out: solution of all components that were solved; the others keep their start, and their laws
+  /// Which components the next solves are about; all of them at first. The others are left as they are.
+  void select(std::span<const int> components) { selected_.assign(components.begin(), components.end()); }
+  /// Other numbers for Problem::set_row_scale.
+  void set_row_scale(NodeId node, std::span<const double> scale);
+
+  /// In: start. Out: solution of all selected components that were solved; the others keep their start, and their laws
   /// what they remembered.
   /// force_factor: remembered forces are multiplied by it first (a change of the step length, where z is an impulse).
   /// noise: by component, the rounding error below which the residual cannot fall (may be empty).
@@ -108,7 +113,7 @@ class InteriorPoint {
   InteriorPointSettings settings_;
   Factorization factorization_;
   std::vector<Lists> term_lists_, port_lists_;
-  std::vector<int> running_, keep_running_;
+  std::vector<int> selected_, running_, keep_running_;
   std::vector<double> x_, start_, dx_, rhs_, residual_, row_scale_;
   // By component.
   std::vector<ComponentReport> reports_;

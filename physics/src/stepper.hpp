@@ -1,0 +1,141 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "assembly.hpp"
+#include "bodies.hpp"
+#include "contacts.hpp"
+#include "graphsolve/interior_point.hpp"
+#include "interleaving.hpp"
+#include "joints.hpp"
+#include "physics/simulator.hpp"
+
+namespace physics {
+
+/// Configuration and velocity of all rigid bodies between two steps.
+struct State {
+  std::vector<Vec3> x, v, w;
+  std::vector<Quat> q;
+};
+
+/// What belongs to the state of one copy as a whole. The time step that made the velocity defines the momentum
+/// (algorithm.md 1).
+struct LaneState {
+  double time_step = 0;
+  bool half_kick = false;   ///< v, w are the velocity at this pose, not that of a step
+  double impulse_time = 0;  ///< impulse over force in the last step; 0: none yet
+  double kinetic_energy = 0, previous_kinetic_energy = 0, potential_energy = 0;  ///< potential: at the previous pose
+};
+
+/// One copy of the scene: its own numbers on the common structure.
+struct Lane {
+  struct Attempt {
+    graphsolve::Status status = graphsolve::Status::solved;
+    int iterations = 0, restarts = 0, culling_repeats = 0;
+    double residual = 0;
+  };
+
+  Mechanism mechanism;
+  Assembly assembly;
+  std::vector<int> islands;  ///< components of the graph
+  LaneState state, saved_state;
+  int step_index = 0;
+  double time = 0;
+  double start_correction = 0;
+  double smallest_distance = 0;  ///< over all contacts, where the last step began
+  Attempt attempt;
+  StepResult last;
+  graphsolve::ComponentReport failure;  ///< of the last component that failed
+};
+
+/// What Simulator and BatchSimulator stand on: equal scenes with numbers of their own (lanes) side by side in one graph.
+/// They step together, but nothing of one lane depends on another: components of the graph converge on their own,
+/// and a lane that fails its step is tried again alone, in shorter steps.
+struct Stepper {
+  /// Every lane starts as a copy of the scene. Throws DescriptionError when the scene is wrong.
+  Stepper(Mechanism scene, int lanes, const SimulatorSettings& options);
+
+  /// Puts another scene of the same structure into a lane, at its start. Throws DescriptionError when the scene is
+  /// wrong or does not fit; the lane is then in no state to step.
+  void load(int lane, Mechanism scene);
+  /// One step of each of these lanes; outcomes in Lane::last. A lane that fails keeps its state.
+  void step(std::span<const int> lanes);
+  void set_state(int lane, std::span<const BodyRecord> records, bool half_kick);
+  /// Poses and momenta of a lane as the start of a step of length h.
+  void load_state_into_terms(int lane, double h);
+
+  [[nodiscard]] int body(int lane, int item) const { return side_by_side.index(lane, item, bodies_per_lane); }
+  [[nodiscard]] int joint(int lane, int item) const { return side_by_side.index(lane, item, joints_per_lane); }
+
+  // Reports on one lane.
+  [[nodiscard]] double kinetic_energy(int lane) const;
+  [[nodiscard]] double potential_energy(int lane) const;
+  [[nodiscard]] double energy(int lane) const;
+  [[nodiscard]] double largest_joint_error(int lane) const;
+  [[nodiscard]] Vec3 linear_momentum(int lane) const;
+  [[nodiscard]] Vec3 angular_momentum(int lane) const;
+  [[nodiscard]] std::string failure_place(int lane) const;
+  void write_bodies(int lane, std::span<BodyRecord> records) const;
+  void write_joints(int lane, std::span<JointRecord> records) const;
+  void write_record(int lane, StepRecord& record) const;
+
+  /// How a step is tried: in how many parts, with force directions of which configuration.
+  struct Rung {
+    int parts;
+    bool new_direction;
+  };
+
+  SimulatorSettings settings;
+  double dt = 0;
+  Interleaving side_by_side;
+  int bodies_per_lane = 0, joints_per_lane = 0;
+  std::vector<Lane> lanes;
+  Bodies bodies;
+  Joints joints{bodies};
+  std::unique_ptr<Contacts> contacts;
+  std::unique_ptr<graphsolve::Problem> problem;
+  std::unique_ptr<graphsolve::InteriorPoint> solver;
+  std::vector<int> island;      ///< of each rigid body
+  std::vector<double> noise;    ///< by island
+  std::vector<double> unknowns; ///< velocities and joint impulses of the last step, start of the next
+  State state, saved_state;
+  std::vector<double> saved_unknowns;
+  PhaseTimes times;
+  graphsolve::Profile profile;
+  ProblemSize size;
+
+ private:
+  void describe(int lane, Mechanism scene);
+  void build();
+  void make_solver();
+  void set_parameters(int lane);
+  void set_row_scales(int lane);
+  void start(int lane);
+  void check_start(int lane) const;
+  void check_structure(const Mechanism& scene, const Assembly& assembly) const;
+  [[nodiscard]] JointGeometry on_lane(int lane, int joint) const;
+
+  void attempt(std::span<const int> tried, const Rung& rung);
+  void advance(std::span<const int> moved, int part, int parts);
+  void prepare(int lane, double h, double end_time);
+  void solve(std::span<const int> solved);
+  void select(std::span<const int> selected);
+  bool take_reports(Lane& lane);
+  void apply_loads(int lane, double impulse_time);
+  void commit(int lane, double h);
+  void save(int lane);
+  void restore(int lane);
+
+  std::vector<int> going_, solving_, components_;  ///< scratch
+};
+
+/// The motor that drives a joint, null where there is none.
+const Motor* motor_of(const Mechanism& mechanism, const JointGeometry& geometry);
+
+struct Simulator::Impl : Stepper {
+  Impl(Mechanism scene, const SimulatorSettings& options) : Stepper(std::move(scene), 1, options) {}
+};
+
+}  // namespace physics

@@ -1,0 +1,183 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "graphsolve/ordering.hpp"
+#include "stepper.hpp"
+
+/// Descriptions -> graph -> symbolic -> terms.
+namespace physics {
+
+namespace {
+
+int joint_rows(const Mechanism& mechanism, const JointGeometry& joint) {
+  return Joints::rows_of(joint, motor_of(mechanism, joint));
+}
+
+/// `copies` equal scenes: all bodies, then all joints.
+graphsolve::BlockGraph make_graph(const Mechanism& mechanism, const Assembly& assembly, const Interleaving& copies) {
+  using namespace graphsolve;
+  BlockGraph graph;
+  const int n = static_cast<int>(assembly.bodies.size()), joints = static_cast<int>(assembly.joints.size());
+  copies.each(n, [&](int, int k) { graph.add_node(assembly.bodies[k].name, 6, NodeKind::regular); });
+  copies.each(joints, [&](int copy, int k) {
+    const JointGeometry& joint = assembly.joints[k];
+    const NodeId node =
+        graph.add_node(mechanism.joints[joint.source].name, joint_rows(mechanism, joint), NodeKind::saddle);
+    // The rows of one joint are independent on either body alone.
+    for (const int body : {joint.child, joint.parent})
+      if (body >= 0) graph.add_edge(node, {copies.index(copy, body, n)}, EdgeRank::full_row);
+  });
+  return graph;
+}
+
+/// The order of one copy, equal nodes of all copies side by side.
+graphsolve::Ordering order_copies(const graphsolve::BlockGraph& all, const graphsolve::Ordering& one, int bodies,
+                                  const Interleaving& copies) {
+  if (copies.copies() == 1) return one;
+  const int joints = static_cast<int>(one.sequence.size()) - bodies;
+  std::vector<graphsolve::NodeId> sequence;
+  copies.each(bodies + joints, [&](int copy, int k) {
+    const int node = one.sequence[k].index;
+    sequence.push_back({node < bodies ? copies.index(copy, node, bodies)
+                                      : bodies * copies.copies() + copies.index(copy, node - bodies, joints)});
+  });
+  return graphsolve::user_ordering(all, sequence);
+}
+
+}  // namespace
+
+const Motor* motor_of(const Mechanism& mechanism, const JointGeometry& geometry) {
+  const auto& motor = mechanism.joints[geometry.source].motor;
+  return motor && (motor->stiffness > 0 || motor->damping > 0) ? &*motor : nullptr;
+}
+
+Stepper::Stepper(Mechanism scene, int count, const SimulatorSettings& options)
+    : settings(options), side_by_side(count), lanes(count) {
+  if (!(settings.tolerance > 0)) throw DescriptionError(fmt::format("tolerance {} is not > 0", settings.tolerance));
+  for (int lane = 1; lane < count; ++lane) describe(lane, scene);
+  describe(0, std::move(scene));
+  dt = lanes[0].mechanism.time_step;
+  build();
+  make_solver();
+  for (int lane = 0; lane < count; ++lane) start(lane);
+}
+
+/// Takes up a description; what it says becomes numbers in set_parameters.
+void Stepper::describe(int lane, Mechanism scene) {
+  if (settings.time_step) scene.time_step = *settings.time_step;
+  if (settings.start) scene.start = *settings.start;
+  if (settings.friction_model)
+    for (Contact& contact : scene.contacts) contact.friction_model = *settings.friction_model;
+  validate(scene);
+  Assembly assembly = assemble(scene, settings.merge_fixed_joints);
+  if (solver) check_structure(scene, assembly);
+  lanes[lane].mechanism = std::move(scene);
+  lanes[lane].assembly = std::move(assembly);
+}
+
+/// Terms, ports and their places in the graph, in the numbering of all lanes side by side.
+void Stepper::build() {
+  const Mechanism& scene = lanes[0].mechanism;
+  const Assembly& assembly = lanes[0].assembly;
+  bodies_per_lane = static_cast<int>(assembly.bodies.size());
+  joints_per_lane = static_cast<int>(assembly.joints.size());
+  problem = std::make_unique<graphsolve::Problem>(make_graph(scene, assembly, side_by_side));
+  side_by_side.each(bodies_per_lane, [&](int lane, int k) { bodies.add(assembly.bodies[k], {body(lane, k)}); });
+  side_by_side.each(joints_per_lane, [&](int lane, int k) {
+    joints.add(on_lane(lane, k), motor_of(scene, assembly.joints[k]), {bodies.size() + joint(lane, k)});
+  });
+  contacts = std::make_unique<Contacts>(bodies, side_by_side, scene, assembly);
+  problem->add(bodies);
+  problem->add(joints);
+  contacts->register_with(*problem);
+}
+
+void Stepper::make_solver() {
+  const auto one = make_graph(lanes[0].mechanism, lanes[0].assembly, Interleaving(1));
+  const auto ordering =
+      order_copies(problem->graph(), graphsolve::minimum_fill_ordering(one), bodies_per_lane, side_by_side);
+  auto symbolic = std::make_shared<const graphsolve::Symbolic>(problem->graph(), ordering);
+  const int n = bodies.size();
+  size.body_nodes = n;
+  size.joint_nodes = joints.size();
+  size.rows = symbolic->rows();
+  size.islands = symbolic->components();
+  size.merged_bodies = static_cast<int>(lanes.size() * lanes[0].mechanism.bodies.size()) - n;
+  size.frictionless_contacts = contacts->frictionless();
+  size.operations = symbolic->counts().operations;
+  size.fill_blocks = symbolic->counts().fill_blocks;
+  size.stored_scalars = symbolic->counts().stored_scalars;
+  island.resize(n);
+  for (int i = 0; i < n; ++i) island[i] = symbolic->component({i});
+  for (int lane = 0; lane < side_by_side.copies(); ++lane) {
+    auto& islands = lanes[lane].islands;
+    for (int k = 0; k < bodies_per_lane; ++k) islands.push_back(island[body(lane, k)]);
+    std::sort(islands.begin(), islands.end());
+    islands.erase(std::unique(islands.begin(), islands.end()), islands.end());
+  }
+  noise.assign(symbolic->components(), 0.0);
+  unknowns.assign(symbolic->rows(), 0.0);
+  saved_unknowns = unknowns;
+  for (auto* s : {&state, &saved_state}) {
+    for (auto* v : {&s->x, &s->v, &s->w}) v->assign(n, Vec3::Zero());
+    s->q.assign(n, Quat::Identity());
+  }
+  for (auto* list : {&going_, &solving_}) list->reserve(lanes.size());
+  components_.reserve(symbolic->components());
+  solver = std::make_unique<graphsolve::InteriorPoint>(*problem, std::move(symbolic),
+                                                       graphsolve::InteriorPointSettings{.tolerance = settings.tolerance});
+  solver->set_profile(&profile);
+}
+
+JointGeometry Stepper::on_lane(int lane, int k) const {
+  JointGeometry geometry = lanes[lane].assembly.joints[k];
+  for (int* side : {&geometry.parent, &geometry.child})
+    if (*side >= 0) *side = body(lane, *side);
+  return geometry;
+}
+
+void Stepper::load(int lane, Mechanism scene) {
+  describe(lane, std::move(scene));
+  start(lane);
+}
+
+void Stepper::set_parameters(int lane) {
+  Lane& l = lanes[lane];
+  std::vector<double> largest(noise.size(), 0.0);
+  for (int k = 0; k < bodies_per_lane; ++k) {
+    double& mass = largest[island[body(lane, k)]];
+    mass = std::max(mass, l.assembly.bodies[k].mass);
+  }
+  for (int k = 0; k < bodies_per_lane; ++k) {
+    RigidBody& rigid = l.assembly.bodies[k];
+    rigid.island_mass = largest[island[body(lane, k)]];
+    bodies.set(body(lane, k), rigid);
+  }
+  for (int k = 0; k < joints_per_lane; ++k)
+    joints.set(joint(lane, k), on_lane(lane, k), motor_of(l.mechanism, l.assembly.joints[k]));
+  contacts->set(lane, l.mechanism, l.assembly);
+  set_row_scales(lane);
+}
+
+/// Every row as a velocity: impulses over masses, angular ones over mass times radius of gyration.
+void Stepper::set_row_scales(int lane) {
+  const Assembly& assembly = lanes[lane].assembly;
+  const auto gyration = [&](int k) { return std::sqrt(assembly.bodies[k].smallest_inertia / assembly.bodies[k].mass); };
+  double scale[6];
+  for (int k = 0; k < bodies_per_lane; ++k) {
+    const double m = assembly.bodies[k].mass;
+    for (int r = 0; r < 6; ++r) scale[r] = r < 3 ? 1 / m : 1 / (m * gyration(k));
+    solver->set_row_scale(bodies.node(body(lane, k)), scale);
+  }
+  for (int k = 0; k < joints_per_lane; ++k) {
+    const JointGeometry& g = assembly.joints[k];
+    const int j = joint(lane, k);
+    const double radius = gyration(g.child >= 0 ? g.child : g.parent);
+    for (int r = 0; r < joints.rows(j); ++r) scale[r] = r < joints.translation_rows(j) ? 1 : radius;
+    if (joints.has_motor(j) && g.type == JointType::prismatic) scale[5] = 1;
+    solver->set_row_scale(joints.nodes(j).front(), {scale, static_cast<std::size_t>(joints.rows(j))});
+  }
+}
+
+}  // namespace physics

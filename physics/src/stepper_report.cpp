@@ -1,0 +1,143 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "rotation.hpp"
+#include "stepper.hpp"
+
+/// What is said of a lane; nothing here changes it.
+namespace physics {
+
+double Stepper::kinetic_energy(int lane) const {
+  double sum = 0;
+  for (int k = 0; k < bodies_per_lane; ++k) {
+    const int i = body(lane, k);
+    sum += 0.5 * (bodies.mass[i] * state.v[i].squaredNorm() + state.w[i].dot(bodies.inertia[i] * state.w[i]));
+  }
+  return sum;
+}
+
+double Stepper::potential_energy(int lane) const {
+  double sum = 0;
+  for (int k = 0; k < bodies_per_lane; ++k) {
+    const int i = body(lane, k);
+    sum -= bodies.mass[i] * lanes[lane].mechanism.gravity.dot(state.x[i]);
+  }
+  return sum;
+}
+
+double Stepper::energy(int lane) const {
+  const LaneState& s = lanes[lane].state;
+  return 0.5 * (s.previous_kinetic_energy + s.kinetic_energy) + s.potential_energy;
+}
+
+double Stepper::largest_joint_error(int lane) const {
+  double largest = 0;
+  for (int k = 0; k < joints_per_lane; ++k) {
+    const int j = joint(lane, k);
+    const JointGeometry& g = joints.geometry(j);
+    largest = std::max(largest, joints.error(j, bodies.pose_now(g.parent), bodies.pose_now(g.child)));
+  }
+  return largest;
+}
+
+Vec3 Stepper::linear_momentum(int lane) const {
+  Vec3 sum = Vec3::Zero();
+  for (int k = 0; k < bodies_per_lane; ++k) {
+    const int i = body(lane, k);
+    sum += bodies.mass[i] * state.v[i];
+  }
+  return sum;
+}
+
+Vec3 Stepper::angular_momentum(int lane) const {
+  const LaneState& s = lanes[lane].state;
+  Vec3 sum = Vec3::Zero();
+  for (int k = 0; k < bodies_per_lane; ++k) {
+    const int i = body(lane, k);
+    const Vec3 spin = s.half_kick ? Vec3(bodies.inertia[i] * state.w[i])
+                                  : momentum_minus(bodies.inertia[i], state.w[i], s.time_step);
+    sum += state.x[i].cross(bodies.mass[i] * state.v[i]) + state.q[i] * spin;
+  }
+  return sum;
+}
+
+void Stepper::write_bodies(int lane, std::span<BodyRecord> records) const {
+  const Lane& l = lanes[lane];
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    const Placement& place = l.assembly.placement[k];
+    BodyRecord& record = records[k];
+    if (place.body < 0) {
+      record = {place.offset, place.rotation, Vec3::Zero(), Vec3::Zero()};
+      continue;
+    }
+    const int i = body(lane, place.body);
+    record.position = state.x[i] + state.q[i] * place.offset;
+    record.orientation = state.q[i] * place.rotation;
+    record.angular_velocity = place.rotation.conjugate() * state.w[i];
+    record.velocity = state.v[i];
+    if (place.offset.isZero()) continue;
+    // The velocity of the step is the difference of its two poses; a member off the centre moves along a chord.
+    if (l.state.half_kick || l.state.impulse_time == 0) {
+      record.velocity += state.q[i] * state.w[i].cross(place.offset);
+    } else {
+      const double h = l.state.time_step;
+      const Quat before = rotate(state.q[i], -state.w[i], rotation_scalar(state.w[i], h), h);
+      record.velocity += (state.q[i] * place.offset - before * place.offset) / h;
+    }
+  }
+}
+
+void Stepper::write_joints(int lane, std::span<JointRecord> records) const {
+  const double impulse_time = lanes[lane].state.impulse_time;
+  for (JointRecord& record : records) record = {};
+  for (int k = 0; k < joints_per_lane; ++k) {
+    const int j = joint(lane, k);
+    const JointGeometry& g = joints.geometry(j);
+    JointRecord& record = records[g.source];
+    record.error = joints.error(j, bodies.pose_now(g.parent), bodies.pose_now(g.child));
+    if (joints.has_motor(j)) record.effort = 0;
+    if (impulse_time == 0) continue;
+    joints.impulse(j, unknowns, record.force, record.torque);
+    record.force /= impulse_time;
+    record.torque /= impulse_time;
+    if (joints.has_motor(j)) record.effort = joints.motor_impulse(j, unknowns) / impulse_time;
+  }
+}
+
+void Stepper::write_record(int lane, StepRecord& record) const {
+  const Lane& l = lanes[lane];
+  record.step = l.step_index;
+  record.time = l.time;
+  record.bodies.resize(l.mechanism.bodies.size());
+  record.contacts.resize(l.mechanism.contacts.size());
+  record.joints.resize(l.mechanism.joints.size());
+  write_bodies(lane, record.bodies);
+  contacts->write_record(lane, record.contacts, l.state.impulse_time);
+  write_joints(lane, record.joints);
+  record.solver.reset();
+  if (l.state.impulse_time == 0) return;
+  record.solver = SolverRecord{.status = std::string(graphsolve::name(l.last.status)),
+                               .iterations = l.last.iterations,
+                               .residual = l.last.residual,
+                               .substeps = l.last.substeps,
+                               .new_force_direction = l.last.new_force_direction};
+}
+
+std::string Stepper::failure_place(int lane) const {
+  const Lane& l = lanes[lane];
+  if (l.last.ok()) return "";
+  const graphsolve::ComponentReport& failure = l.failure;
+  const int node = failure.worst_node.index;
+  std::string thing;
+  if (node >= 0 && node < bodies.size()) {
+    thing = fmt::format("body '{}'", l.assembly.bodies[side_by_side.item(node, bodies_per_lane)].name);
+  } else if (node >= 0) {
+    thing = fmt::format("joint '{}'", l.mechanism.joints[joints.geometry(node - bodies.size()).source].name);
+  } else if (const int contact = contacts->source(lane, failure.worst_batch, failure.worst_instance); contact >= 0) {
+    thing = fmt::format("contact '{}'", l.mechanism.contacts[contact].name);
+  }
+  return fmt::format("{} (residual {:.2g} m/s)", thing, failure.residual);
+}
+
+}  // namespace physics

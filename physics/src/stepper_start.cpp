@@ -1,0 +1,109 @@
+#include <cmath>
+#include <fmt/format.h>
+
+#include "stepper.hpp"
+
+/// A lane before its first step, and whether a scene fits into it.
+namespace physics {
+
+namespace {
+
+constexpr double largest_start_error = 1e-5;  ///< [m, rad] a start that is further open is a wrong description
+
+[[noreturn]] void misfit(const std::string& scene, const std::string& what) {
+  throw DescriptionError(fmt::format("scene '{}' does not fit those beside it: {}", scene, what));
+}
+
+bool has_friction(const Contact& contact) { return contact.friction.value_or(0) > 0; }
+
+}  // namespace
+
+/// Loaded scenes share the graph, the order and the kinds of terms with the first; numbers are free.
+void Stepper::check_structure(const Mechanism& scene, const Assembly& assembly) const {
+  const Mechanism& first = lanes[0].mechanism;
+  const Assembly& built = lanes[0].assembly;
+  const auto same_number = [&](std::size_t have, std::size_t want, const char* things) {
+    if (have != want) misfit(scene.name, fmt::format("it has {} {}, not {}", have, things, want));
+  };
+  same_number(scene.bodies.size(), first.bodies.size(), "bodies");
+  same_number(scene.joints.size(), first.joints.size(), "joints");
+  same_number(scene.contacts.size(), first.contacts.size(), "contacts");
+  if (scene.time_step != dt) misfit(scene.name, fmt::format("its time step is {} s, not {} s", scene.time_step, dt));
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k)
+    if (assembly.placement[k].body != built.placement[k].body)
+      misfit(scene.name, fmt::format("body '{}' is held by another fixed joint", scene.bodies[k].name));
+  same_number(assembly.joints.size(), built.joints.size(), "joints between bodies that move");
+  for (std::size_t k = 0; k < assembly.joints.size(); ++k) {
+    const JointGeometry &a = assembly.joints[k], &b = built.joints[k];
+    const bool same = a.source == b.source && a.type == b.type && a.parent == b.parent && a.child == b.child &&
+                      !motor_of(scene, a) == !motor_of(first, b);
+    if (!same) misfit(scene.name, fmt::format("joint '{}' differs in type, bodies or motor", scene.joints[a.source].name));
+  }
+  for (std::size_t k = 0; k < scene.contacts.size(); ++k) {
+    const Contact &a = scene.contacts[k], &b = first.contacts[k];
+    const bool same = a.body == b.body && has_friction(a) == has_friction(b) && a.directions == b.directions;
+    if (!same)
+      misfit(scene.name, fmt::format("contact '{}' differs in its body, in having friction, or in directions", a.name));
+  }
+}
+
+void Stepper::start(int lane) {
+  set_parameters(lane);
+  Lane& l = lanes[lane];
+  std::vector<BodyRecord> records;
+  for (const Body& body : l.mechanism.bodies)
+    records.push_back({body.position, body.orientation, body.velocity, body.angular_velocity});
+  set_state(lane, records, l.mechanism.start == Start::half_kick);
+  l.step_index = 0;
+  l.time = 0;
+  l.last = {};
+  check_start(lane);
+}
+
+void Stepper::set_state(int lane, std::span<const BodyRecord> records, bool half_kick) {
+  Lane& l = lanes[lane];
+  for (int k = 0; k < bodies_per_lane; ++k) {
+    const int i = body(lane, k);
+    for (auto* v : {&state.x, &state.v, &state.w}) (*v)[i].setZero();
+    state.q[i].setIdentity();
+    std::fill_n(unknowns.data() + bodies.row[i], 6, 0.0);
+  }
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    const Placement& place = l.assembly.placement[k];
+    if (place.body < 0) continue;
+    const BodyRecord& record = records[k];
+    const int i = body(lane, place.body);
+    state.v[i] += l.mechanism.bodies[k].mass / bodies.mass[i] * record.velocity;
+    if (l.assembly.bodies[place.body].first_member != static_cast<int>(k)) continue;
+    const Quat q = record.orientation.normalized() * place.rotation.conjugate();
+    state.q[i] = q;
+    state.x[i] = record.position - q * place.offset;
+    state.w[i] = place.rotation * record.angular_velocity;
+  }
+  l.state = {.time_step = dt, .half_kick = half_kick};
+  load_state_into_terms(lane, dt);
+  l.state.kinetic_energy = l.state.previous_kinetic_energy = kinetic_energy(lane);
+  l.state.potential_energy = potential_energy(lane);
+  contacts->clear(lane);
+  l.start_correction = 0;
+  for (int k = 0; k < joints_per_lane; ++k) {
+    const int j = joint(lane, k);
+    std::fill_n(unknowns.data() + joints.row(j), joints.rows(j), 0.0);
+    joints.prepare(j, 0, dt);
+    joints.reset_coordinate(j);
+    l.start_correction = std::max(l.start_correction, joints.opening_rate(j, unknowns));
+  }
+}
+
+void Stepper::check_start(int lane) const {
+  for (int k = 0; k < joints_per_lane; ++k) {
+    const int j = joint(lane, k);
+    const JointGeometry& g = joints.geometry(j);
+    const double error = joints.error(j, bodies.pose_now(g.parent), bodies.pose_now(g.child));
+    if (error > largest_start_error)
+      throw DescriptionError(fmt::format("joint '{}': the start leaves it open by {:.3g} (m or rad)",
+                                         lanes[lane].mechanism.joints[g.source].name, error));
+  }
+}
+
+}  // namespace physics
