@@ -30,7 +30,7 @@ class MinimumFill {
   }
 
   Ordering run() {
-    Ordering result;
+    Ordering result{.method = OrderingMethod::minimum_fill};
     const int n = graph_.size();
     result.sequence.reserve(n);
     for (int i = 0; i < n; ++i) update(i);

@@ -3,11 +3,10 @@
 #include <stdexcept>
 #include <string>
 
+#include "ordering_repair.hpp"
+
 namespace graphsolve {
 
-namespace {
-
-/// The sequence, with every node that comes too early deferred to the moment it becomes eligible.
 Ordering repaired(const BlockGraph& graph, std::span<const NodeId> sequence) {
   Ordering result;
   result.sequence.reserve(sequence.size());
@@ -43,12 +42,12 @@ Ordering repaired(const BlockGraph& graph, std::span<const NodeId> sequence) {
   return result;
 }
 
-}  // namespace
-
 Ordering natural_ordering(const BlockGraph& graph) {
   std::vector<NodeId> sequence(graph.size());
   for (int i = 0; i < graph.size(); ++i) sequence[i] = {i};
-  return repaired(graph, sequence);
+  Ordering result = repaired(graph, sequence);
+  result.method = OrderingMethod::natural;
+  return result;
 }
 
 Ordering depth_first_ordering(const BlockGraph& graph, NodeId root) {
@@ -83,7 +82,9 @@ Ordering depth_first_ordering(const BlockGraph& graph, NodeId root) {
   };
   if (root.index >= 0) search(root.index);
   for (int i = 0; i < n; ++i) search(i);
-  return repaired(graph, std::vector<NodeId>(order.rbegin(), order.rend()));
+  Ordering result = repaired(graph, std::vector<NodeId>(order.rbegin(), order.rend()));
+  result.method = OrderingMethod::depth_first;
+  return result;
 }
 
 Ordering user_ordering(const BlockGraph& graph, std::span<const NodeId> sequence) {

@@ -1,0 +1,125 @@
+#include "graphsolve/ordering_method.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+
+#include "graphsolve/ordering.hpp"
+#include "graphsolve/symbolic.hpp"
+#include "support/graph_families.hpp"
+
+namespace {
+
+using namespace graphsolve;
+
+std::vector<OrderingMethod> methods_here() {
+  std::vector<OrderingMethod> result;
+  for (const OrderingMethod method : ordering_methods())
+    if (available(method)) result.push_back(method);
+  return result;
+}
+
+bool is_permutation_of_nodes(const BlockGraph& graph, const Ordering& ordering) {
+  std::vector<int> index, all(graph.size());
+  for (const NodeId node : ordering.sequence) index.push_back(node.index);
+  std::sort(index.begin(), index.end());
+  std::iota(all.begin(), all.end(), 0);
+  return index == all;
+}
+
+/// Does every node of the order come when it may?
+bool obeys_the_rule(const BlockGraph& graph, const Ordering& ordering) {
+  Eligibility rule(graph);
+  std::vector<NodeId> freed;
+  for (const NodeId node : ordering.sequence) {
+    if (!rule.eligible(node)) return false;
+    rule.eliminate(node, freed);
+  }
+  return true;
+}
+
+std::vector<BlockGraph> all_kinds_of_graphs(int seed) {
+  std::vector<BlockGraph> graphs{families::chain(7 + seed % 5), families::random_tree(30, seed),
+                                 families::anchored_chain(5), families::loop(3 + seed % 9), families::ladder(12),
+                                 families::grid(4, 1 + seed % 3), families::random_with_loops(20, 10 + seed % 10, seed)};
+  // Several components, one of them a single node; nodes without edges only; one node; none.
+  BlockGraph parts = families::loop(5);
+  parts.add_node("alone", 2);
+  const NodeId a = parts.add_node("a", 3), b = parts.add_node("b", 1);
+  parts.add_edge(a, b);
+  graphs.push_back(parts);
+  graphs.emplace_back();
+  BlockGraph loose;
+  for (int i = 0; i < 4; ++i) loose.add_node("n", 1 + i);
+  graphs.push_back(loose);
+  return graphs;
+}
+
+TEST(OrderingMethod, EveryMethodGivesAPermutationThatObeysTheRule) {
+  int orders = 0, repairs = 0;
+  for (int seed = 1; seed <= 40; ++seed)
+    for (const BlockGraph& graph : all_kinds_of_graphs(seed))
+      for (const OrderingMethod method : methods_here()) {
+        const Ordering ordering = make_ordering(graph, method);
+        ASSERT_TRUE(is_permutation_of_nodes(graph, ordering)) << name(method);
+        ASSERT_TRUE(obeys_the_rule(graph, ordering)) << name(method) << " seed " << seed;
+        EXPECT_EQ(ordering.forced, 0) << name(method);
+        EXPECT_TRUE(ordering.method == method || method == OrderingMethod::best) << name(method);
+        repairs += ordering.repairs;
+        ++orders;
+      }
+  std::printf("             %d orders, %d repairs\n", orders, repairs);
+  EXPECT_GT(repairs, 0);
+}
+
+TEST(OrderingMethod, EqualGraphsGetEqualOrders) {
+  for (int seed = 1; seed <= 5; ++seed)
+    for (const OrderingMethod method : methods_here())
+      EXPECT_EQ(make_ordering(families::random_with_loops(150, 80, seed), method).sequence,
+                make_ordering(families::random_with_loops(150, 80, seed), method).sequence)
+          << name(method);
+}
+
+TEST(OrderingMethod, NamesAreReadBackWithHyphensOrUnderscores) {
+  EXPECT_EQ(ordering_methods().size(), 12u);
+  for (const OrderingMethod method : ordering_methods()) {
+    EXPECT_EQ(parse_ordering_method(name(method)), method);
+    std::string underscored(name(method));
+    std::replace(underscored.begin(), underscored.end(), '-', '_');
+    EXPECT_EQ(parse_ordering_method(underscored), method);
+  }
+  EXPECT_EQ(name(OrderingMethod::reverse_cuthill_mckee), "reverse-cuthill-mckee");
+  EXPECT_EQ(parse_ordering_method("user"), std::nullopt);
+  EXPECT_EQ(parse_ordering_method("AMD"), std::nullopt);
+  EXPECT_EQ(parse_ordering_method(""), std::nullopt);
+}
+
+TEST(OrderingMethod, WhatIsNotInThisBuildIsRefusedByNameAndPackage) {
+  for (const OrderingMethod method : ordering_methods()) {
+    if (available(method)) continue;
+    try {
+      static_cast<void>(make_ordering(families::chain(2), method));
+      FAIL() << name(method);
+    } catch (const std::invalid_argument& e) {
+      EXPECT_NE(std::string(e.what()).find("'" + std::string(name(method)) + "' is not available"), std::string::npos);
+    }
+  }
+  EXPECT_THROW(static_cast<void>(make_ordering(families::chain(2), OrderingMethod::user)), std::invalid_argument);
+}
+
+TEST(OrderingMethod, BestIsNeverWorseThanTheDefaultAndSaysWhichItTook) {
+  for (int seed = 1; seed <= 20; ++seed)
+    for (const BlockGraph& graph : all_kinds_of_graphs(seed)) {
+      const Ordering best = make_ordering(graph, OrderingMethod::best);
+      const auto operations = [&](const Ordering& o) { return Symbolic(graph, o).counts().operations; };
+      EXPECT_LE(operations(best), operations(minimum_fill_ordering(graph)));
+      EXPECT_NE(best.method, OrderingMethod::best);
+      EXPECT_EQ(make_ordering(graph, best.method).sequence, best.sequence);
+    }
+}
+
+}  // namespace
