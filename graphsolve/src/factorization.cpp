@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 
 #include "kernels.hpp"
+#include "operations.hpp"
 #include "rank_revealing.hpp"
 
 namespace graphsolve {
@@ -18,7 +18,8 @@ constexpr double dependent = 1e-11;
 
 }  // namespace
 
-Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic) : symbolic_(std::move(symbolic)) {
+Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, FactorizationKind kind)
+    : symbolic_(std::move(symbolic)), kind_(kind) {
   const Symbolic& s = *symbolic_;
   values_.assign(s.values_size(), 0.0);
   row_exchange_.assign(s.rows(), 0);
@@ -33,7 +34,7 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic) : symboli
     row += s.dimension(k);
     largest = std::max(largest, s.dimension(k));
   }
-  work_.assign(largest * largest + 2 * largest, 0.0);
+  work_.assign(2 * largest * largest + 3 * largest, 0.0);
 }
 
 void Factorization::set_zero() { std::fill(values_.begin(), values_.end(), 0.0); }
@@ -67,173 +68,167 @@ Factorization::Outcome Factorization::factorize(int component) {
   return outcome;
 }
 
-void Factorization::factorize_range(int begin, int end, Outcome& outcome) {
+/// Is what neighbours add to the diagonal of this block remembered? Only where something is decided by it.
+bool Factorization::tracks_reference(int k) const {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  return p.saddle && kind_ != FactorizationKind::cholesky && (p.may_depend || saddle_shift_ != 0);
+}
+
+void Factorization::start_reference(int k) {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  double* reference = reference_.data() + first_row_[k];
+  const double* diagonal = values_.data() + p.diagonal;
+  const int d = p.dimension;
+  if (tracks_reference(k))
+    for (int i = 0; i < d; ++i) reference[i] = diagonal[i * (d + 1)];
+  else if (symmetric() && (!p.saddle || kind_ == FactorizationKind::cholesky))
+    for (int i = 0; i < d; ++i) reference[i] = std::abs(diagonal[i * (d + 1)]);
+  else
+    std::fill_n(reference, d, 0.0);
+}
+
+/// Copies the matrix before it is overwritten.
+void Factorization::keep(int begin, int end) {
+  assert(!matrix_.empty());
   const Symbolic& s = *symbolic_;
+  const auto first = s.pivot(begin).diagonal;
+  const auto last = end < s.pivots() ? s.pivot(end).diagonal : s.values_size();
+  largest_entry_ = 0;
+  for (auto i = first; i < last; ++i) {
+    matrix_[i] = values_[i];
+    largest_entry_ = std::max(largest_entry_, std::abs(values_[i]));
+  }
+  if (symmetric())
+    for (int k = begin; k < end; ++k) mirror_matrix(k);
+}
+
+/// Largest entry of the blocks of a pivot, which no other pivot changes any more.
+double Factorization::largest_of(int k) const {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  const double* begin = values_.data() + p.diagonal;
+  const double* end = values_.data() + p.upper + static_cast<std::int64_t>(p.dimension) * p.coupled_rows;
+  double largest = 0;
+  for (; begin != end; ++begin) largest = std::max(largest, std::abs(*begin));
+  return largest;
+}
+
+void Factorization::factorize_range(int begin, int end, Outcome& outcome) {
   if (begin == end) return;
-  if (keep_matrix_) {
-    assert(!matrix_.empty());
-    const auto first = s.pivot(begin).diagonal;
-    const auto last = end < s.pivots() ? s.pivot(end).diagonal : s.values_size();
-    std::copy(values_.begin() + first, values_.begin() + last, matrix_.begin() + first);
-  }
+  if (keep_matrix_) keep(begin, end);
+  for (int k = begin; k < end; ++k) start_reference(k);
+  double largest = 0;
   for (int k = begin; k < end; ++k) {
-    const Symbolic::Pivot& p = s.pivot(k);
-    if (!p.saddle) continue;
-    for (int i = 0; i < p.dimension; ++i) reference_[first_row_[k] + i] = values_[p.diagonal + i * (p.dimension + 1)];
-  }
-  for (int k = begin; k < end; ++k) {
+    if (keep_matrix_) largest = std::max(largest, largest_of(k));
     if (!factorize_pivot(k, outcome)) return;
-    eliminate(k);
+    eliminate(k, outcome);
+  }
+  if (keep_matrix_ && largest_entry_ > 0) outcome.growth = largest / largest_entry_;
+}
+
+void Factorization::shift_pivot(int k) {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  double* diagonal = values_.data() + p.diagonal;
+  double* reference = reference_.data() + first_row_[k];
+  for (int i = 0; i < p.dimension; ++i) {
+    diagonal[i * (p.dimension + 1)] += saddle_shift_ * reference[i];
+    reference[i] = std::abs(reference[i]);
   }
 }
 
-/// LU of the diagonal block. Row exchanges suffice unless rows of a saddle block depend on earlier ones.
+/// Which row of the block ended at a place beyond its rank.
+int Factorization::original_row(int k, int place) const {
+  const int* exchange = row_exchange_.data() + first_row_[k];
+  for (int q = rank_[k] - 1; q >= 0; --q) {
+    if (place == exchange[q]) place = q;
+    else if (place == q) place = exchange[q];
+  }
+  return place;
+}
+
+void Factorization::drop_rows(int k, Outcome& outcome) {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  outcome.dropped_rows += p.dimension - rank_[k];
+  for (int m = rank_[k]; m < p.dimension; ++m) dropped_.push_back({p.node, original_row(k, m)});
+}
+
 bool Factorization::factorize_pivot(int k, Outcome& outcome) {
+  if (tracks_reference(k)) shift_pivot(k);
+  rank_[k] = symbolic_->pivot(k).dimension;
+  const bool regular = symmetric() ? factorize_pivot_symmetric(k, outcome) : factorize_pivot_any(k, outcome);
+  if (!regular) outcome.first_bad_pivot = k;
+  return regular;
+}
+
+/// LU of the diagonal block. Row exchanges suffice unless rows of a saddle block depend on earlier ones.
+bool Factorization::factorize_pivot_any(int k, Outcome& outcome) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const int d = p.dimension, row = first_row_[k];
   double* diagonal = values_.data() + p.diagonal;
-  double* reference = reference_.data() + row;
-  rank_[k] = d;
-  if (p.saddle)
-    for (int i = 0; i < d; ++i) {
-      diagonal[i * (d + 1)] += saddle_shift_ * reference[i];
-      reference[i] = std::abs(reference[i]);
-    }
+  const double* reference = reference_.data() + row;
   const bool look_for_dependence = p.may_depend && saddle_shift_ == 0;  // a shifted block is regular
   if (look_for_dependence) std::copy_n(diagonal, d * d, work_.data());
   const double smallest = kernels::factor_kernel(d)(diagonal, row_exchange_.data() + row, d);
+  outcome.operations += lu_operations(d);
   if (look_for_dependence && !std::isnan(smallest) && !(smallest > dependent * *std::max_element(reference, reference + d))) {
     std::copy_n(work_.data(), d * d, diagonal);
     rank_[k] = factor_rank_revealing(diagonal, d, reference, dependent, row_exchange_.data() + row,
                                      column_exchange_.data() + row, work_.data() + d * d);
-    outcome.dropped_rows += d - rank_[k];
-    for (int m = rank_[k]; m < d; ++m) {  // which original row ended at place m
-      int original = m;
-      for (int q = rank_[k] - 1; q >= 0; --q) {
-        if (original == row_exchange_[row + q]) original = q;
-        else if (original == q) original = row_exchange_[row + q];
-      }
-      dropped_.push_back({p.node, original});
-    }
-    if (!couples_later(k)) return true;
-    outcome.first_bad_pivot = k;
-    return false;
+    outcome.operations += lu_operations(d);
+    drop_rows(k, outcome);
+    return !couples_later(k);
   }
-  if (smallest > 0) return true;
-  outcome.first_bad_pivot = k;
-  return false;
+  return smallest > 0;
 }
 
 /// W = D^-1 U, then the blocks between the couplings lose L W.
-void Factorization::eliminate(int k) {
+void Factorization::eliminate(int k, Outcome& outcome) {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  if (p.coupled_rows == 0) return;
+  const std::int64_t d = p.dimension;
+  solve_diagonal(k, values_.data() + p.upper, p.coupled_rows, p.dimension);
+  outcome.operations += d * d * p.coupled_rows;
+  update(k, 0, outcome);
+}
+
+/// The blocks between couplings `from`, from + 1, ... of pivot k lose L W; of symmetric ones the lower triangle.
+void Factorization::update(int k, int from, Outcome& outcome) {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
-  if (p.coupled_rows == 0) return;
   const int d = p.dimension, m = p.end - p.begin;
+  const int* coupled = s.coupled_.data() + p.begin;
   double* v = values_.data();
-  solve_diagonal(k, v + p.upper, p.coupled_rows);
   const std::int64_t* target = s.targets(p);
-  const double* lower = v + p.lower;
-  for (int i = 0; i < m; ++i) {
-    const int ki = s.coupled_[p.begin + i];
-    const Symbolic::Pivot& pi = s.pivot(ki);
-    const int di = pi.dimension;
+  const double* lower = v + p.lower + s.block_offset_[p.begin + from];
+  const double* first_upper = v + p.upper + s.block_offset_[p.begin + from];
+  std::int64_t scalars = 0;
+  for (int i = from; i < m; ++i) {
+    const int di = s.pivot(coupled[i]).dimension;
     const auto product = kernels::product_kernel(di, d);
-    double before[kernels::max_fixed];
-    const bool watch = pi.saddle && di <= kernels::max_fixed;
+    const bool watch = tracks_reference(coupled[i]);
+    double* own = v + target[i * m + i];
     if (watch)
-      for (int q = 0; q < di; ++q) before[q] = v[pi.diagonal + q * (di + 1)];
-    const double* upper = v + p.upper;
-    for (int j = 0; j < m; ++j) {
-      const int dj = s.pivot(s.coupled_[p.begin + j]).dimension;
+      for (int q = 0; q < di; ++q) work_[q] = own[q * (di + 1)];
+    const double* upper = first_upper;
+    for (int j = from, last = symmetric() ? i : m; j < last; ++j) {
+      const int dj = s.pivot(coupled[j]).dimension;
       product(v + target[i * m + j], lower, upper, di, d, dj);
       upper += d * dj;
+      scalars += static_cast<std::int64_t>(di) * dj;
     }
-    if (pi.saddle) {
-      double* reference = reference_.data() + first_row_[ki];
+    if (symmetric()) {
+      kernels::lower_kernel(di, d)(own, lower, upper, di, d);
+      scalars += static_cast<std::int64_t>(di) * (di + 1) / 2;
+    }
+    if (watch) {
+      double* reference = reference_.data() + first_row_[coupled[i]];
       for (int q = 0; q < di; ++q) {
-        const double now = v[pi.diagonal + q * (di + 1)];
-        const double added = watch ? now - before[q] : now;
+        const double added = own[q * (di + 1)] - work_[q];
         if (std::abs(added) > std::abs(reference[q])) reference[q] = added;
       }
     }
     lower += di * d;
   }
-}
-
-void Factorization::solve_diagonal(int k, double* x, int columns) const {
-  const Symbolic::Pivot& p = symbolic_->pivot(k);
-  const int row = first_row_[k];
-  if (rank_[k] == p.dimension && p.dimension <= kernels::max_fixed)
-    kernels::solve_kernel(p.dimension)(values_.data() + p.diagonal, row_exchange_.data() + row, x, p.dimension, columns);
-  else if (rank_[k] == p.dimension)
-    kernels::solve_block<0>(values_.data() + p.diagonal, row_exchange_.data() + row, x, p.dimension, columns);
-  else
-    solve_rank_deficient(values_.data() + p.diagonal, p.dimension, rank_[k], row_exchange_.data() + row,
-                         column_exchange_.data() + row, x, columns);
-}
-
-void Factorization::solve(std::span<double> x) const { solve_range(x, 0, symbolic_->pivots()); }
-
-void Factorization::solve(std::span<double> x, int component) const {
-  solve_range(x, symbolic_->component_begin(component), symbolic_->component_begin(component + 1));
-}
-
-void Factorization::solve_range(std::span<double> x, int begin, int end) const {
-  assert(static_cast<int>(x.size()) == symbolic_->rows());
-  const Symbolic& s = *symbolic_;
-  const double* v = values_.data();
-  for (int k = begin; k < end; ++k) {
-    const Symbolic::Pivot& p = s.pivot(k);
-    double* xk = x.data() + p.row;
-    solve_diagonal(k, xk, 1);
-    const double* lower = v + p.lower;
-    for (int e = p.begin; e < p.end; ++e) {
-      const Symbolic::Pivot& pi = s.pivot(s.coupled_[e]);
-      kernels::product_kernel(pi.dimension, p.dimension)(x.data() + pi.row, lower, xk, pi.dimension, p.dimension, 1);
-      lower += pi.dimension * p.dimension;
-    }
-  }
-  for (int k = end - 1; k >= begin; --k) {
-    const Symbolic::Pivot& p = s.pivot(k);
-    const double* upper = v + p.upper;
-    for (int e = p.begin; e < p.end; ++e) {
-      const Symbolic::Pivot& pj = s.pivot(s.coupled_[e]);
-      kernels::product_kernel(p.dimension, pj.dimension)(x.data() + p.row, upper, x.data() + pj.row, p.dimension,
-                                                         pj.dimension, 1);
-      upper += p.dimension * pj.dimension;
-    }
-  }
-}
-
-void Factorization::solve_transposed(std::span<double> x) const {
-  const Symbolic& s = *symbolic_;
-  const double* v = values_.data();
-  for (int k = 0; k < s.pivots(); ++k) {
-    const Symbolic::Pivot& p = s.pivot(k);
-    const double* upper = v + p.upper;
-    for (int e = p.begin; e < p.end; ++e) {
-      const Symbolic::Pivot& pj = s.pivot(s.coupled_[e]);
-      kernels::subtract_transposed_times_vector(x.data() + pj.row, upper, x.data() + p.row, p.dimension, pj.dimension);
-      upper += p.dimension * pj.dimension;
-    }
-  }
-  for (int k = s.pivots() - 1; k >= 0; --k) {
-    const Symbolic::Pivot& p = s.pivot(k);
-    double* xk = x.data() + p.row;
-    const double* lower = v + p.lower;
-    for (int e = p.begin; e < p.end; ++e) {
-      const Symbolic::Pivot& pi = s.pivot(s.coupled_[e]);
-      kernels::subtract_transposed_times_vector(xk, lower, x.data() + pi.row, pi.dimension, p.dimension);
-      lower += pi.dimension * p.dimension;
-    }
-    const int row = first_row_[k];
-    if (rank_[k] == p.dimension)
-      kernels::solve_block_transposed(v + p.diagonal, row_exchange_.data() + row, xk, p.dimension);
-    else
-      solve_rank_deficient_transposed(v + p.diagonal, p.dimension, rank_[k], row_exchange_.data() + row,
-                                      column_exchange_.data() + row, xk);
-  }
+  outcome.operations += d * scalars;
 }
 
 }  // namespace graphsolve

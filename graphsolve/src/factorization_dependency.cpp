@@ -13,7 +13,7 @@ bool Factorization::couples_later(int k) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const int d = p.dimension, row = first_row_[k];
   const double* a = values_.data() + p.diagonal;
-  double* x = work_.data();
+  double* x = work_.data() + 2 * d * d;
   for (int c = 0; c < p.coupled_rows; ++c) {
     const double* column = values_.data() + p.upper + c * d;
     double largest = 0;

@@ -143,7 +143,7 @@ void InteriorPoint::right_hand_side() {
 void InteriorPoint::solve_linear() {
   for (const int c : running_) {
     if (refine_[c]) each_row(c, [&](int i) { rhs_[i] = dx_[i]; });
-    factorization_.solve(dx_, c);
+    factorization_.solve_component(dx_, c);
     if (refine_[c]) (void)factorization_.refine(rhs_, dx_, c, 2);
   }
   const auto ports = problem_.ports();

@@ -4,14 +4,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "operations.hpp"
+
 namespace graphsolve {
-
-namespace {
-
-/// Multiplications and divisions of the LU factorization of a d x d block, reciprocals of the pivots included.
-std::int64_t factor_operations(std::int64_t d) { return d + d * (d - 1) / 2 + (d - 1) * d * (2 * d - 1) / 6; }
-
-}  // namespace
 
 Symbolic::Symbolic(const BlockGraph& graph, const Ordering& ordering) : rows_(graph.rows()) {
   const int n = graph.size();
@@ -123,7 +118,9 @@ void Symbolic::lay_out() {
       else counts_.matrix_scalars += 2 * scalars;
     }
     counts_.matrix_scalars += d * d;
-    counts_.operations += factor_operations(d) + p.coupled_rows * d * d + d * p.coupled_rows * p.coupled_rows;
+    const std::int64_t r = p.coupled_rows;
+    counts_.operations += lu_operations(d) + r * d * d + d * r * r;
+    counts_.symmetric_operations += ldlt_operations(d) + r * d * d + d * r * (r + 1) / 2;
     counts_.solve_operations += d * d + 2 * panel;
     counts_.largest_front = std::max(counts_.largest_front, p.dimension + p.coupled_rows);
   }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -8,14 +10,34 @@
 
 namespace graphsolve {
 
-/// Block LDU of a structurally symmetric matrix with any values: A = (I + L) D (I + U) in the order of a
-/// Symbolic, pivoting inside the diagonal blocks only. Allocates in the constructor, nowhere else.
-/// One per thread; the Symbolic is shared.
+/// What is known of the matrix, and so how it is factored. All kinds share one Symbolic and one layout.
+///
+/// The symmetric kinds read the lower triangle in elimination order: the lower triangle of each diagonal block and
+/// the blocks (later, earlier). Writers may fill both triangles; the other panel becomes W = D^-1 P^T. About half the
+/// operations of ldu (Symbolic::Counts::symmetric_operations).
+enum class FactorizationKind {
+  ldu,       ///< structurally symmetric, any values; saddle systems as [H -J^T; J C]
+  ldlt,      ///< symmetric, indefinite allowed; saddle systems as [H J^T; J -C]
+  cholesky,  ///< symmetric positive definite, whatever the kinds of the nodes; without square roots
+};
+
+/// Signs of the eigenvalues of a symmetric matrix, which are those of D (Sylvester). zero: rows left out or boosted.
+struct Inertia {
+  int positive = 0;
+  int negative = 0;
+  int zero = 0;
+  friend bool operator==(const Inertia&, const Inertia&) = default;
+};
+
+/// Block LDU of a structurally symmetric matrix with any values, A = (I + L) D (I + U), or block LDL^T of a symmetric
+/// one, in the order of a Symbolic, pivoting inside the diagonal blocks only. Allocates in the constructor, nowhere
+/// else. One per thread; the Symbolic is shared.
 class Factorization {
  public:
-  explicit Factorization(std::shared_ptr<const Symbolic> symbolic);
+  explicit Factorization(std::shared_ptr<const Symbolic> symbolic, FactorizationKind kind = FactorizationKind::ldu);
 
   [[nodiscard]] const Symbolic& symbolic() const { return *symbolic_; }
+  [[nodiscard]] FactorizationKind kind() const { return kind_; }
 
   /// The numbers of the matrix, written through BlockHandles. factorize() overwrites them.
   [[nodiscard]] std::span<double> values() { return values_; }
@@ -30,24 +52,35 @@ class Factorization {
 
   /// Proximal shift: every saddle row gets this part of what its neighbours added to its diagonal on top, with the
   /// same sign. Bounds what rounding can do where neighbours are very stiff; refine() and Newton iterations take it
-  /// out again. 0 at first: the matrix is factored as it is.
+  /// out again. 0 at first: the matrix is factored as it is. No effect on cholesky.
   void set_saddle_shift(double relative) { saddle_shift_ = relative; }
 
   struct Outcome {
-    int dropped_rows = 0;        ///< dependent rows found inside saddle blocks and left out
-    int first_bad_pivot = -1;    ///< pivot with NaN, infinity or a singular block that cannot be left out; -1: none
+    int dropped_rows = 0;         ///< dependent rows found inside saddle blocks and left out
+    int boosts = 0;               ///< ldlt: rows of no size of their own, see factorize()
+    int first_bad_pivot = -1;     ///< pivot with NaN, infinity or a singular block that cannot be left out; cholesky:
+                                  ///< one that is not positive definite. -1: none
+    Inertia inertia;              ///< ldlt, cholesky; zeros for ldu
+    double growth = 0;            ///< max |entry met in the elimination| / max |entry of the matrix|; measured when
+                                  ///< the matrix is kept, else 0
+    std::int64_t operations = 0;  ///< multiplications and divisions done
     [[nodiscard]] bool ok() const { return first_bad_pivot < 0; }
   };
   /// Factors all components, or one. Dependent rows of saddle blocks that the eligibility rule does not vouch for
-  /// (pivot below 1e-11 of what was added to the block) are left out: their unknowns become zero.
+  /// (pivot below 1e-11 of what was added to the block) are left out: their unknowns become zero. In ldlt any other
+  /// pivot below 1e-13 of its row's size is boosted: 1e-7 of that size, with the sign of its node (saddle negative,
+  /// others positive), is added to the diagonal. The factors are then those of a matrix nearby: call refine().
   [[nodiscard]] Outcome factorize();
   [[nodiscard]] Outcome factorize(int component);
 
-  /// x := A^-1 x, rows in the user's numbering.
-  void solve(std::span<double> x) const;
-  void solve(std::span<double> x, int component) const;
-  /// x := A^-T x.
-  void solve_transposed(std::span<double> x) const;
+  /// x := A^-1 x, rows in the user's numbering; or only the rows of one component.
+  void solve(std::span<double> x) const { solve(x, 1); }
+  void solve_component(std::span<double> x, int component) const;
+  /// X := A^-1 X, X being rows() x columns, column-major. Throws std::invalid_argument when x has another size.
+  void solve(std::span<double> x, int columns) const;
+  /// x := A^-T x; X := A^-T X.
+  void solve_transposed(std::span<double> x) const { solve_transposed(x, 1); }
+  void solve_transposed(std::span<double> x, int columns) const;
 
   struct Refinement {
     int sweeps = 0;
@@ -69,28 +102,48 @@ class Factorization {
   void dependency(const DroppedRow& dropped, std::span<double> y) const;
 
  private:
+  [[nodiscard]] bool symmetric() const { return kind_ != FactorizationKind::ldu; }
+  [[nodiscard]] bool tracks_reference(int k) const;
+  void keep(int begin, int end);
+  void start_reference(int k);
   void factorize_range(int begin, int end, Outcome& outcome);
   bool factorize_pivot(int k, Outcome& outcome);
+  bool factorize_pivot_any(int k, Outcome& outcome);
+  bool factorize_pivot_symmetric(int k, Outcome& outcome);
+  bool factorize_pivot_indefinite(int k, Outcome& outcome);
+  bool boost(int k, double* block);
+  void shift_pivot(int k);
+  [[nodiscard]] int original_row(int k, int place) const;
+  void drop_rows(int k, Outcome& outcome);
   bool couples_later(int k);
-  void eliminate(int k);
-  void solve_diagonal(int k, double* x, int columns) const;
-  void solve_range(std::span<double> x, int begin, int end) const;
+  [[nodiscard]] double largest_of(int k) const;
+  void transpose_panel(int k, double* values) const;
+  void mirror_matrix(int k);
+  void eliminate(int k, Outcome& outcome);
+  void update(int k, int from, Outcome& outcome);
+  void solve_diagonal(int k, double* x, int columns, std::ptrdiff_t stride) const;
+  void solve_range(double* x, int columns, int begin, int end) const;
+  void solve_column_transposed(double* x) const;
+  void check_size(std::span<const double> x, int columns) const;
   Refinement refine_range(std::span<const double> b, std::span<double> x, int begin, int end, int max_sweeps);
   double residual(std::span<const double> b, std::span<const double> x, int begin, int end);
   template <class F>
   void each_row(int begin, int end, F&& f) const;
 
   std::shared_ptr<const Symbolic> symbolic_;
+  FactorizationKind kind_;
   std::vector<double> values_, matrix_;
   std::vector<int> row_exchange_;     ///< per row in pivot order: the row that took this place in its block
   std::vector<int> column_exchange_;  ///< same for columns; used only where rows were dropped
   std::vector<int> rank_;             ///< per pivot
   std::vector<int> first_row_;        ///< per pivot: first row in pivot order
-  std::vector<double> reference_;     ///< per row in pivot order: largest amount, signed, added to a saddle diagonal
-  std::vector<double> work_;          ///< of the largest block; solve_range needs none of it
+  std::vector<double> reference_;     ///< per row in pivot order: largest amount, signed, added to a saddle diagonal;
+                                      ///< in the symmetric kinds |diagonal of the matrix| for other nodes
+  std::vector<double> work_;          ///< two of the largest block and 3 of its rows; solving needs none of it
   std::vector<double> residual_, magnitude_, correction_;
   std::vector<DroppedRow> dropped_;
   bool keep_matrix_ = false;
+  double largest_entry_ = 0;          ///< of the kept part of the matrix
   double saddle_shift_ = 0;
 };
 

@@ -29,7 +29,8 @@ class Symbolic {
     std::int64_t stored_blocks = 0;     ///< all blocks of the factor, both triangles and diagonal
     std::int64_t stored_scalars = 0;    ///< scalars in them
     std::int64_t matrix_scalars = 0;    ///< scalars of the matrix alone
-    std::int64_t operations = 0;        ///< multiplications and divisions of one factorization
+    std::int64_t operations = 0;        ///< multiplications and divisions of one LDU factorization
+    std::int64_t symmetric_operations = 0;  ///< same of one LDL^T or Cholesky factorization of definite blocks
     std::int64_t solve_operations = 0;  ///< same of one solve
     std::int64_t memory = 0;            ///< bytes: this object and one Factorization
     int tree_height = 0;                ///< longest path of the elimination tree, in nodes

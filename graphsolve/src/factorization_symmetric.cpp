@@ -1,0 +1,125 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "block_inertia.hpp"
+#include "graphsolve/factorization.hpp"
+#include "kernels.hpp"
+#include "operations.hpp"
+#include "rank_revealing.hpp"
+
+/// Pivots of the symmetric kinds. A definite block of the sign its node promises is factored without exchanges and
+/// left in the form of an LU, so that solving is the same for all kinds. Any other block gets an LU with exchanges, as
+/// stable as Bunch-Kaufman and the same to solve with, and its signs from a congruence of its own (block_inertia.hpp).
+namespace graphsolve {
+
+namespace {
+
+constexpr double dependent = 1e-11;  ///< as in the LDU: a pivot below this part of what was added is rounding
+constexpr double tiny = 1e-13;       ///< any other pivot below this part of its row's size is
+constexpr double boosted = 1e-7;     ///< part of its row's size that such a pivot gets
+constexpr double not_positive = 4 * std::numeric_limits<double>::epsilon();
+
+}  // namespace
+
+/// U := P^T; in a factorization the solve turns it into W.
+void Factorization::transpose_panel(int k, double* values) const {
+  const Symbolic& s = *symbolic_;
+  const Symbolic::Pivot& p = s.pivot(k);
+  const int d = p.dimension;
+  const double* lower = values + p.lower;
+  double* upper = values + p.upper;
+  for (int e = p.begin; e < p.end; ++e) {
+    const int di = s.pivot(s.coupled_[e]).dimension;
+    for (int i = 0; i < di; ++i, upper += d)
+      for (int q = 0; q < d; ++q) upper[q] = lower[q * di + i];
+    lower += d * di;
+  }
+}
+
+/// The kept matrix is whole, whatever the caller filled.
+void Factorization::mirror_matrix(int k) {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  const int d = p.dimension;
+  double* diagonal = matrix_.data() + p.diagonal;
+  for (int j = 0; j < d; ++j)
+    for (int i = j + 1; i < d; ++i) diagonal[i * d + j] = diagonal[j * d + i];
+  transpose_panel(k, matrix_.data());
+}
+
+bool Factorization::factorize_pivot_symmetric(int k, Outcome& outcome) {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  const int d = p.dimension, row = first_row_[k];
+  double* diagonal = values_.data() + p.diagonal;
+  const bool cholesky = kind_ == FactorizationKind::cholesky;
+  const bool negative = p.saddle && !cholesky;
+  const double smallest = cholesky ? not_positive : p.may_depend && saddle_shift_ == 0 ? dependent : tiny;
+  transpose_panel(k, values_.data());
+  if (d > kernels::max_fixed) std::copy_n(diagonal, d * d, work_.data());
+  outcome.operations += ldlt_operations(d);
+  if (kernels::definite_kernel(d)(diagonal, reference_.data() + row, negative ? -1 : 1, smallest, d)) {
+    for (int i = 0; i < d; ++i) row_exchange_[row + i] = i;
+    (negative ? outcome.inertia.negative : outcome.inertia.positive) += d;
+    return true;
+  }
+  if (d > kernels::max_fixed) std::copy_n(work_.data(), d * d, diagonal);
+  return !cholesky && factorize_pivot_indefinite(k, outcome);
+}
+
+bool Factorization::factorize_pivot_indefinite(int k, Outcome& outcome) {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  const int d = p.dimension, row = first_row_[k];
+  double* diagonal = values_.data() + p.diagonal;
+  double *block = work_.data(), *scratch = block + d * d, *size = block + 2 * d * d + 2 * d;
+  for (int j = 0; j < d; ++j)
+    for (int i = j + 1; i < d; ++i) diagonal[i * d + j] = diagonal[j * d + i];
+  for (int i = 0; i < d; ++i) {
+    size[i] = reference_[row + i];
+    for (int j = 0; j < d; ++j) {
+      if (!std::isfinite(diagonal[j * d + i])) return false;
+      size[i] = std::max(size[i], std::abs(diagonal[j * d + i]));
+    }
+    if (!(size[i] > 0)) size[i] = 1;  // nothing to compare with: nothing but zeros
+  }
+  std::copy_n(diagonal, d * d, block);
+  const bool may_drop = p.may_depend && saddle_shift_ == 0;
+  rank_[k] = factor_rank_revealing(diagonal, d, size, may_drop ? dependent : tiny, row_exchange_.data() + row,
+                                   column_exchange_.data() + row, scratch);
+  std::copy_n(block, d * d, scratch);
+  const Inertia inertia = block_inertia(scratch, d, size, rank_[k]);
+  outcome.inertia.positive += inertia.positive;
+  outcome.inertia.negative += inertia.negative;
+  outcome.inertia.zero += inertia.zero;
+  outcome.operations += 3 * lu_operations(d);
+  if (rank_[k] < d) {
+    if (may_drop && !couples_later(k)) {
+      drop_rows(k, outcome);
+      return true;
+    }
+    outcome.boosts += d - rank_[k];
+    if (!boost(k, block)) return false;
+  }
+  rank_[k] = d;
+  std::copy_n(block, d * d, diagonal);
+  return kernels::factor_kernel(d)(diagonal, row_exchange_.data() + row, d) > 0;
+}
+
+/// Adds to the diagonal entries that rank-revealing pivoting left over. A row without entries of its own takes the
+/// size of its couplings; one without any couplings cannot be boosted.
+bool Factorization::boost(int k, double* block) {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  const int d = p.dimension;
+  const double* upper = values_.data() + p.upper;
+  for (int m = rank_[k]; m < d; ++m) {
+    const int i = original_row(k, m);
+    double own = reference_[first_row_[k] + i];
+    for (int j = 0; j < d; ++j) own = std::max(own, std::abs(block[j * d + i]));
+    if (!(own > 0))
+      for (int c = 0; c < p.coupled_rows; ++c) own = std::max(own, std::abs(upper[c * d + i]));
+    if (!(own > 0)) return false;
+    block[i * (d + 1)] += (p.saddle ? -boosted : boosted) * own;
+  }
+  return true;
+}
+
+}  // namespace graphsolve
