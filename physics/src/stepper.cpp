@@ -77,7 +77,10 @@ void Stepper::advance(std::span<const int> moved, int part, int parts) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   const double h = dt / parts;
-  for (const int lane : moved) prepare(lane, h, lanes[lane].time + dt * part / parts);
+  for (const int lane : moved) {
+    const double smallest_distance = prepare(lane, h, lanes[lane].time + dt * part / parts);
+    if (part == 1) lanes[lane].smallest_distance = smallest_distance;
+  }
   contacts->activate(*solver);
   const auto prepared = Clock::now();
   const double inside = profile.evaluate + profile.factorize + profile.solve;
@@ -93,7 +96,8 @@ void Stepper::advance(std::span<const int> moved, int part, int parts) {
   times.solve = profile.solve;
 }
 
-void Stepper::prepare(int lane, double h, double end_time) {
+/// Returns the smallest distance of the lane's contacts.
+double Stepper::prepare(int lane, double h, double end_time) {
   Lane& l = lanes[lane];
   const double impulse_time = l.state.half_kick ? 0.5 * h : h;
   const double factor = l.state.impulse_time > 0 ? impulse_time / l.state.impulse_time : 1.0;
@@ -109,10 +113,10 @@ void Stepper::prepare(int lane, double h, double end_time) {
                                                    .gravity = l.mechanism.gravity,
                                                    .force_factor = factor,
                                                    .cull = settings.cull_contacts});
-  l.smallest_distance = reach.smallest_distance;
   size.contact_steps += contacts->size_of_lane();
   size.culled_contacts += contacts->size_of_lane() - reach.active;
   if (reach.active == 0) ++size.newton_steps;
+  return reach.smallest_distance;
 }
 
 /// Solves with the contacts that can be reached; puts back those that the result breaks through.

@@ -119,7 +119,7 @@ struct Stepper {
 
   void attempt(std::span<const int> tried, const Rung& rung);
   void advance(std::span<const int> moved, int part, int parts);
-  void prepare(int lane, double h, double end_time);
+  double prepare(int lane, double h, double end_time);
   void solve(std::span<const int> solved);
   void select(std::span<const int> selected);
   bool take_reports(Lane& lane);

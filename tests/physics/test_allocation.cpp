@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "physics/batch_simulator.hpp"
 #include "physics/scenes.hpp"
 #include "physics/simulator.hpp"
 
@@ -202,6 +203,24 @@ TEST_F(Allocation, NeverHappensInAStepThatFails) {
   const Stepped stepped = step_counted(scene, 1);
   EXPECT_TRUE(stepped.failed) << "the test shows nothing";
   EXPECT_EQ(stepped.steps, 5);
+}
+
+/// Lanes that pass, that need substeps, and one that fails.
+TEST_F(Allocation, NeverHappensInAStepOfABatch) {
+  BatchSimulator batch(built_in_scene("hanging_bob:n=4,ratio=1"), 10);
+  batch.load(2, built_in_scene("hanging_bob:n=4"));
+  Mechanism doomed = built_in_scene("hanging_bob:n=4,ratio=1");
+  doomed.add(Load{.body = {4}, .first_step = 5, .last_step = 5, .torque = {0, 1e9, 0}});
+  batch.load(7, doomed);
+  int substepped = 0;
+  for (int k = 0; k < 40; ++k) {
+    const Counting counting;
+    batch.step();
+    EXPECT_EQ(Counting::so_far(), 0) << "step " << k + 1;
+    substepped += batch.result(2).substeps > 1;
+  }
+  EXPECT_GT(substepped, 0) << "the test shows nothing";
+  EXPECT_FALSE(batch.running(7)) << "the test shows nothing";
 }
 
 TEST_F(Allocation, NeverHappensInAskingForFiguresOfTheState) {
