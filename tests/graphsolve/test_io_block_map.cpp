@@ -1,0 +1,105 @@
+#include <gtest/gtest.h>
+
+#include "graphsolve/io/block_map.hpp"
+#include "support/graph_families.hpp"
+
+namespace {
+
+using namespace graphsolve;
+using namespace graphsolve::io;
+
+std::string error_of(const std::string& text) {
+  try {
+    (void)parse_block_map(text, "map.json");
+  } catch (const FileError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+std::string blocks(const std::string& list) {
+  return R"({"format": "graphsolve-blocks", "version": 1, "blocks": )" + list + "}";
+}
+
+SparseMatrix sparse(const Eigen::MatrixXd& dense) {
+  std::vector<Triplet> t;
+  for (int j = 0; j < dense.cols(); ++j)
+    for (int i = 0; i < dense.rows(); ++i)
+      if (dense(i, j) != 0) t.push_back({i, j, dense(i, j)});
+  return from_triplets(static_cast<int>(dense.rows()), static_cast<int>(dense.cols()), t);
+}
+
+TEST(BlockMapFile, AListOfSizesIsEnough) {
+  for (const char* text : {"[3, 1, 2]", "3 1 2\n", "3,1,\n2", " 3\r\n1\r\n2\r\n"}) {
+    const BlockMap map = parse_block_map(text);
+    ASSERT_EQ(map.blocks.size(), 3u) << text;
+    EXPECT_EQ(map.blocks[0].rows, (std::vector<int>{0, 1, 2}));
+    EXPECT_EQ(map.blocks[2].rows, (std::vector<int>{4, 5}));
+    EXPECT_EQ(map.blocks[2].name, "rows 5-6");
+    EXPECT_FALSE(map.blocks[0].kind.has_value());
+  }
+}
+
+TEST(BlockMapFile, NamesKindsRowsAndRanksAreRead) {
+  const BlockMap map = parse_block_map(R"({"format": "graphsolve-blocks", "version": 1,
+    "blocks": [{"name": "x", "dimension": 2, "kind": "regular"}, {"name": "c", "rows": [5, 3], "kind": "saddle"}, 1],
+    "edges": [{"from": "c", "to": "x", "rank": "full_row"}]})");
+  ASSERT_EQ(map.blocks.size(), 3u);
+  EXPECT_EQ(map.blocks[1].rows, (std::vector<int>{4, 2}));
+  EXPECT_EQ(map.blocks[1].kind, NodeKind::saddle);
+  EXPECT_EQ(map.blocks[2].rows, std::vector<int>{3});  // follows the row after the last one listed
+  ASSERT_EQ(map.couplings.size(), 1u);
+  EXPECT_EQ(map.couplings[0].a, 1);
+  EXPECT_EQ(map.couplings[0].b, 0);
+  EXPECT_EQ(map.couplings[0].rank, EdgeRank::full_row);
+}
+
+TEST(BlockMapFile, WhatDetectionFoundComesBackAsTheSameGraph) {
+  const SparseMatrix matrix = sparse(families::saddle_matrix(families::ladder(8), 2));
+  const BlockStructure found = detect_blocks(matrix);
+  const std::string text = block_map_json(block_map(found));
+  const BlockMap map = parse_block_map(text);
+  const BlockStructure back = make_blocks(matrix, map.blocks, map.couplings);
+  EXPECT_EQ(back.row_of, found.row_of);
+  ASSERT_EQ(back.graph.size(), found.graph.size());
+  for (int v = 0; v < found.graph.size(); ++v) {
+    EXPECT_EQ(back.graph.name({v}), found.graph.name({v}));
+    EXPECT_EQ(back.graph.kind({v}), found.graph.kind({v}));
+    ASSERT_EQ(back.graph.edges({v}).size(), found.graph.edges({v}).size());
+    for (std::size_t e = 0; e < found.graph.edges({v}).size(); ++e)
+      EXPECT_EQ(back.graph.edges({v})[e].rank, found.graph.edges({v})[e].rank);
+  }
+  EXPECT_EQ(block_map_json(map), text);
+}
+
+TEST(BlockMapFile, EveryMistakeIsNamedWithItsPlace) {
+  EXPECT_EQ(error_of(" \n"), "map.json: the file is empty");
+  EXPECT_EQ(error_of("3 x"), "map.json: this is neither JSON nor a list of block sizes");
+  EXPECT_EQ(error_of("{\n\"a\": 1,,\n}"), "map.json:2: this is no JSON: syntax error");
+  EXPECT_EQ(error_of("[]"), "map.json: there are no blocks");
+  EXPECT_EQ(error_of("[3, 0]"), "map.json: [1]: 0 is no whole number from 1 on");
+  EXPECT_EQ(error_of("[3, 1.5]"), "map.json: [1]: 1.5 is no whole number from 1 on");
+  EXPECT_EQ(error_of("[2000000000]"), "map.json: [0]: 2000000000 rows are more than a block may have (16384)");
+  EXPECT_EQ(error_of("{}"), "map.json: the key 'format' must be 'graphsolve-blocks'");
+  EXPECT_EQ(error_of(R"({"format": "graphsolve-blocks", "version": 2, "blocks": [1]})"),
+            "map.json: the key 'version' must be 1");
+  EXPECT_EQ(error_of(R"({"format": "graphsolve-blocks", "version": 1})"), "map.json: the key 'blocks' is missing");
+  EXPECT_EQ(error_of(blocks("3")), "map.json: blocks: 3 is no list");
+  EXPECT_EQ(error_of(blocks("[\"x\"]")), "map.json: blocks[0]: 'x' is no object");
+  EXPECT_EQ(error_of(blocks(R"([{"name": "a"}])")),
+            "map.json: blocks[0]: needs either 'dimension' (the next rows) or 'rows' (a list)");
+  EXPECT_EQ(error_of(blocks(R"([{"dimension": 1, "size": 2}])")), "map.json: blocks[0]: unknown key 'size'");
+  EXPECT_EQ(error_of(blocks(R"([{"dimension": 1, "kind": "sadle"}])")),
+            "map.json: blocks[0].kind: 'sadle' is no kind; there are: regular, semidefinite, saddle");
+  EXPECT_EQ(error_of(blocks(R"([{"rows": [1, 0]}])")), "map.json: blocks[0].rows[1]: 0 is no whole number from 1 on");
+  EXPECT_EQ(error_of(blocks(R"([{"rows": []}])")), "map.json: blocks[0].rows: a block has at least one row");
+  EXPECT_EQ(error_of(blocks(R"([{"dimension": 1, "name": ""}])")), "map.json: blocks[0].name: '' is no name");
+  EXPECT_EQ(error_of(blocks(R"([{"dimension": 1, "name": "a"}, {"dimension": 1, "name": "a"}])")),
+            "map.json: blocks[1]: the name 'a' is taken by blocks[0]");
+  EXPECT_EQ(error_of(blocks(R"([1], "edges": [{"from": "row 1", "to": "b"}])")),
+            "map.json: edges[0].to: there is no block 'b'");
+  EXPECT_EQ(error_of(blocks(R"([1, 1], "edges": [{"from": "row 1", "to": "row 2", "rank": "high"}])")),
+            "map.json: edges[0].rank: 'high' is no rank; there are: unknown, full_row, full_column, full");
+}
+
+}  // namespace
