@@ -119,8 +119,8 @@ bool available(OrderingMethod method) { return entry(method).available; }
 
 Ordering make_ordering(const BlockGraph& graph, OrderingMethod method) {
   if (!available(method))
-    throw std::invalid_argument("ordering '" + std::string(name(method)) + "' is not available: this build is without " +
-                                std::string(entry(method).package));
+    throw std::invalid_argument("ordering '" + std::string(name(method)) +
+                                "' is not available: this build is without " + std::string(entry(method).package));
   switch (method) {
     case natural: return natural_ordering(graph);
     case depth_first: return depth_first_ordering(graph);

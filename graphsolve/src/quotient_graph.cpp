@@ -8,7 +8,8 @@ namespace {
 
 constexpr int long_list = 64;  ///< lists of more entries are not walked at every elimination
 
-int decoded(int entry) { return entry < 0 ? ~entry : entry; }
+/// Order of a list with entries ~node that are gone.
+bool before(int entry, int node) { return (entry < 0 ? ~entry : entry) < node; }
 
 }  // namespace
 
@@ -106,7 +107,7 @@ void QuotientGraph::prune(Node& node) {
 
 void QuotientGraph::remove_variable(Node& node, int other) {
   const auto list = variables(node);
-  const auto found = std::lower_bound(list.begin(), list.end(), other, [](int entry, int value) { return decoded(entry) < value; });
+  const auto found = std::lower_bound(list.begin(), list.end(), other, before);
   if (found == list.end() || *found != other) return;
   const std::int64_t d = nodes_[other].dimension;
   node.sum -= d;
@@ -201,7 +202,7 @@ bool QuotientGraph::coupled(int a, int b) const {
   }
   const int* end = lists_.data() + x->end;
   const int* begin = end - x->variables;
-  const int* found = std::lower_bound(begin, end, b, [](int entry, int value) { return decoded(entry) < value; });
+  const int* found = std::lower_bound(begin, end, b, before);
   if (found != end && *found == b) return true;
   if (x->elements > y->elements) std::swap(x, y);
   const auto longer = elements(*y);

@@ -45,7 +45,8 @@ bool obeys_the_rule(const BlockGraph& graph, const Ordering& ordering) {
 std::vector<BlockGraph> all_kinds_of_graphs(int seed) {
   std::vector<BlockGraph> graphs{families::chain(7 + seed % 5), families::random_tree(30, seed),
                                  families::anchored_chain(5), families::loop(3 + seed % 9), families::ladder(12),
-                                 families::grid(4, 1 + seed % 3), families::random_with_loops(20, 10 + seed % 10, seed)};
+                                 families::grid(4, 1 + seed % 3),
+                                 families::random_with_loops(20, 10 + seed % 10, seed)};
   // Several components, one of them a single node; nodes without edges only; one node; none.
   BlockGraph parts = families::loop(5);
   parts.add_node("alone", 2);

@@ -13,7 +13,9 @@ namespace {
 
 using namespace graphsolve;
 
-Symbolic::Counts counts(const BlockGraph& graph, const Ordering& ordering) { return Symbolic(graph, ordering).counts(); }
+Symbolic::Counts counts(const BlockGraph& graph, const Ordering& ordering) {
+  return Symbolic(graph, ordering).counts();
+}
 
 TEST(WideOrdering, TreeOfAChainIsLogarithmicallyHighAtAtMostTwoAndAHalfTimesTheOperations) {
   for (const int n : {10, 100, 1000, 10000, 100000}) {

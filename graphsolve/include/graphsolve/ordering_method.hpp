@@ -14,7 +14,7 @@ enum class OrderingMethod {
   minimum_fill,           ///< least new scalars first; the default
   amd,                    ///< approximate minimum degree (SuiteSparse), blocks unweighted
   camd,                   ///< the same, saddle nodes held back until their small neighbours are gone (SuiteSparse)
-  colamd,                 ///< column minimum degree of the constraint matrix, saddle nodes as soon as they may (SuiteSparse)
+  colamd,                 ///< minimum degree of the constraint matrix, saddle nodes as soon as they may (SuiteSparse)
   nested_dissection,      ///< small separators last, blocks weighted by dimension (METIS)
   minimum_degree,         ///< multiple minimum degree (Boost.Graph)
   reverse_cuthill_mckee,  ///< small bandwidth (Boost.Graph)

@@ -1,0 +1,87 @@
+#include "graphsolve/fill_analysis.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+
+#include "biconnected.hpp"
+#include "edge_saving.hpp"
+
+namespace graphsolve {
+
+namespace {
+
+FillPrice& operator+=(FillPrice& a, const FillPrice& b) {
+  a.blocks += b.blocks;
+  a.scalars += b.scalars;
+  a.operations += b.operations;
+  return a;
+}
+
+/// Appends the fill blocks of one pivot with their prices.
+void price_pivot(const Symbolic& symbolic, int k, const Biconnected& biconnected, std::vector<FillBlock>& blocks) {
+  const auto coupled = symbolic.coupled(k);
+  const std::int64_t d = symbolic.dimension(k);
+  std::int64_t filled = 0;
+  for (std::size_t i = 0; i < coupled.size(); ++i)
+    if (symbolic.is_fill(k, static_cast<int>(i))) filled += symbolic.dimension(coupled[i]);
+  const std::int64_t unfilled = symbolic.pivot(k).coupled_rows - filled;
+  for (std::size_t i = 0; i < coupled.size(); ++i) {
+    if (!symbolic.is_fill(k, static_cast<int>(i))) continue;
+    const std::int64_t g = symbolic.dimension(coupled[i]);
+    const NodeId first = symbolic.node(k), later = symbolic.node(coupled[i]);
+    blocks.push_back({.first = first,
+                      .later = later,
+                      .cause = biconnected.common(first, later),
+                      .price = {1, 2 * d * g, g * d * d + d * g * (2 * unfilled + filled)}});
+  }
+}
+
+/// Sorts the causes, most operations first, and drops those without fill; the blocks' indices follow.
+void sort_causes(FillAnalysis& analysis) {
+  auto& causes = analysis.causes;
+  std::vector<int> order(causes.size()), place(causes.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return causes[a].price.operations > causes[b].price.operations; });
+  std::vector<FillCause> sorted;
+  for (const int k : order) {
+    place[k] = static_cast<int>(sorted.size());
+    if (causes[k].price.blocks > 0) sorted.push_back(std::move(causes[k]));
+  }
+  causes = std::move(sorted);
+  for (FillBlock& block : analysis.blocks) block.cause = place[block.cause];
+}
+
+}  // namespace
+
+FillAnalysis analyze_fill(const BlockGraph& graph, const Symbolic& symbolic) {
+  if (graph.size() != symbolic.pivots() || graph.rows() != symbolic.rows())
+    throw std::invalid_argument("fill analysis: the graph has " + std::to_string(graph.size()) + " nodes of " +
+                                std::to_string(graph.rows()) + " rows, the elimination " +
+                                std::to_string(symbolic.pivots()) + " of " + std::to_string(symbolic.rows()));
+  const Biconnected biconnected(graph);
+  FillAnalysis result;
+  result.counts = symbolic.counts();
+  const int order_itself = static_cast<int>(biconnected.parts().size());
+  for (const auto& part : biconnected.parts())
+    result.causes.push_back({.nodes = part.nodes,
+                             .edges = part.edges,
+                             .cycles = part.edges - static_cast<int>(part.nodes.size()) + 1,
+                             .price = {}});
+  result.causes.emplace_back();
+  for (int k = 0; k < symbolic.pivots(); ++k) price_pivot(symbolic, k, biconnected, result.blocks);
+  for (FillBlock& block : result.blocks) {
+    if (block.cause < 0) block.cause = order_itself;
+    result.causes[block.cause].price += block.price;
+    result.total += block.price;
+  }
+  result.operations_unfilled = result.counts.operations - result.total.operations;
+  sort_causes(result);
+  result.edge = find_edge_saving(graph, symbolic, result.causes);
+  return result;
+}
+
+}  // namespace graphsolve
