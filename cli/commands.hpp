@@ -12,6 +12,7 @@ enum ExitCode : int { all_solved = 0, step_failed = 1, wrong_input = 2, interrup
 using Command = std::function<int()>;
 
 Command add_simulate(CLI::App& program);
+Command add_rollout(CLI::App& program);
 Command add_scenes(CLI::App& program);
 Command add_study(CLI::App& program);
 

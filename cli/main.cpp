@@ -14,6 +14,7 @@ constexpr const char* footer = R"(Examples:
   graphsolve scenes                                the built-in scenes and their parameters
   graphsolve simulate snake:n=20 --out snake.json  simulate one, keep the trajectory
   graphsolve simulate scene.toml --duration 2      simulate a file
+  graphsolve rollout snake:n=10 --copies 1000 --steps 100 --vary friction=0.2:0.8 --out many.jsonl
   graphsolve study scaling --out figures           cost over contacts and bodies: table, data, pictures
   graphsolve simulate --help                       all options of a command
 
@@ -45,7 +46,8 @@ int main(int argc, char** argv) {
   program.failure_message([](const CLI::App*, const CLI::Error& error) {
     return fmt::format("graphsolve: {} (see 'graphsolve --help')\n", error.what());
   });
-  std::vector<cli::Command> commands{cli::add_simulate(program), cli::add_scenes(program), cli::add_study(program)};
+  std::vector<cli::Command> commands{cli::add_simulate(program), cli::add_rollout(program), cli::add_scenes(program),
+                                     cli::add_study(program)};
   const std::vector<CLI::App*> names = program.get_subcommands([](const CLI::App*) { return true; });
   try {
     program.parse(argc, argv);

@@ -7,7 +7,7 @@
 
 namespace cli {
 
-Progress::Progress(int steps) : steps_(steps), terminal_(::isatty(STDERR_FILENO) == 1) {}
+Progress::Progress(int steps, const char* unit) : steps_(steps), unit_(unit), terminal_(::isatty(STDERR_FILENO) == 1) {}
 
 Progress::~Progress() {
   if (shown_) fmt::print(stderr, "\r\x1b[K");  // leaves an empty line for the summary
@@ -23,8 +23,8 @@ void Progress::update(int done) {
   const double part = static_cast<double>(done) / steps_;
   const double left = std::chrono::duration<double>(now - begin_).count() * (1 - part) / part;
   const int full = static_cast<int>(part * width);
-  fmt::print(stderr, "\r[{:#<{}}{:.<{}}] step {} of {}, {:.0f} s left\x1b[K", "", full, "", width - full, done, steps_,
-             left);
+  fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {} {} of {}, {:.0f} s left\x1b[K", "", full, "", width - full, unit_, done,
+             steps_, left);
   std::fflush(stderr);
 }
 

@@ -7,7 +7,7 @@ namespace cli {
 
 class Progress {
  public:
-  explicit Progress(int steps);
+  explicit Progress(int steps, const char* unit = "step");
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -16,6 +16,7 @@ class Progress {
  private:
   using Clock = std::chrono::steady_clock;
   int steps_;
+  const char* unit_;
   bool terminal_, shown_ = false;
   Clock::time_point begin_ = Clock::now(), next_ = begin_ + std::chrono::seconds(1);
 };

@@ -1,0 +1,268 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "commands.hpp"
+#include "interrupt.hpp"
+#include "physics/batch_run.hpp"
+#include "physics/batch_variation.hpp"
+#include "progress.hpp"
+#include "rollout_file.hpp"
+#include "rollout_mpi.hpp"
+#include "scene_source.hpp"
+
+namespace cli {
+
+using physics::DescriptionError;
+
+namespace {
+
+struct Options {
+  std::string scene, out, shard;
+  std::vector<std::string> vary, merge;
+  std::optional<long long> copies;
+  std::optional<int> steps;
+  int threads = 1, lanes = physics::BatchRun{}.lanes;
+  std::uint64_t seed = 0;
+  double tolerance = physics::SimulatorSettings{}.tolerance;
+};
+
+constexpr const char* footer = R"(Examples:
+  graphsolve rollout disc --copies 10000 --steps 100 --vary friction=0.1:0.9 --threads 2 --out disc.jsonl
+  graphsolve rollout quadruped --copies 1000 --steps 500 --vary trunk.mass=8:14 --vary start.velocity.x=-0.2:0.2
+  graphsolve rollout disc --copies 10000 --steps 100 --shard 3/8 --out disc-3.jsonl     one of eight machines
+  graphsolve rollout --merge disc-*.jsonl --out disc.jsonl                              their results together
+  mpirun -np 8 graphsolve rollout disc --copies 10000 --steps 100 --out disc.jsonl      the same by MPI
+
+Keys of --vary, each drawn evenly for each copy:
+  friction, CONTACT.friction     coefficient of all contacts that have one, or of one
+  mass, BODY.mass                factor on all masses; mass of one body [kg]; inertias in proportion
+  gravity                        magnitude [m/s^2]
+  JOINT.stiffness, JOINT.damping of a motor
+  start.position.x, start.velocity.x                                     added to all bodies [m, m/s]
+  start.BODY.position.x, start.BODY.velocity.x, start.BODY.angular_velocity.x     of one body
+  (x, y or z)
+
+The file has one line of JSON per copy. Its bytes do not depend on threads, lanes or shards. The same command goes on
+where a killed one stopped. See docs/rollouts.md.
+
+Exit code: 0 all copies solved all steps, 1 some copy failed, 2 wrong input or a file that cannot be read or written,
+130 or 143 stopped by SIGINT or SIGTERM.)";
+
+void add_options(CLI::App& command, Options& options) {
+  const auto add = [&](const char* group, const char* name, auto& value, const char* type, const char* help) {
+    return command.add_option(name, value, help)->type_name(type)->group(group);
+  };
+  const auto at_least = [](long long least) {
+    return CLI::Validator(
+        [least](const std::string& text) {
+          long long value = 0;
+          const bool fine = CLI::detail::lexical_cast(text, value) && value >= least;
+          return fine ? std::string() : fmt::format("must be a whole number >= {}, not {}", least, text);
+        },
+        "");
+  };
+  command.add_option("SCENE", options.scene, "A .json or .toml file, or a built-in scene with parameters")->type_name("");
+  add("Work", "--copies", options.copies, "K", "Number of copies")->check(at_least(1));
+  add("Work", "--steps", options.steps, "N", "Steps of each copy")->check(at_least(1));
+  add("Work", "--vary", options.vary, "KEY=LOW:HIGH", "A number that differs between copies; may be repeated")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add("Work", "--seed", options.seed, "S", "Of the random numbers")->capture_default_str();
+  add("Work", "--tolerance", options.tolerance, "T", "Residual at which a step is accepted [m/s]")->capture_default_str();
+  add("Machine", "--threads", options.threads, "T", "Threads of this process")->check(at_least(1))->capture_default_str();
+  add("Machine", "--lanes", options.lanes, "L", "Copies that a thread steps together; multiples of 8 are best")
+      ->check(at_least(1))
+      ->capture_default_str();
+  add("Machine", "--shard", options.shard, "I/N", "Only part I = 0 .. N-1 of N of the copies");
+  add("Output", "--out", options.out, "FILE", "One line of JSON per copy; continued when it is there");
+  add("Output", "--merge", options.merge, "FILE...", "Put the files of all shards together into --out");
+  command.footer(footer);
+}
+
+Shard parse_shard(const std::string& text) {
+  Shard shard;
+  if (text.empty()) return shard;
+  char rest = 0;
+  const bool read = std::sscanf(text.c_str(), "%d/%d%c", &shard.index, &shard.count, &rest) == 2;
+  if (!read || shard.count < 1 || shard.index < 0 || shard.index >= shard.count)
+    throw DescriptionError(fmt::format("shard '{}' is not I/N with 0 <= I < N", text));
+  return shard;
+}
+
+RolloutRequest make_request(const Options& options) {
+  if (options.scene.empty()) throw DescriptionError("rollout: SCENE is required");
+  if (!options.copies) throw DescriptionError("rollout: --copies is required");
+  if (!options.steps) throw DescriptionError("rollout: --steps is required");
+  RolloutRequest request{.scene = options.scene,
+                         .mechanism = load_scene(options.scene).trajectory.mechanism,
+                         .copies = *options.copies,
+                         .steps = *options.steps,
+                         .tolerance = options.tolerance,
+                         .seed = options.seed,
+                         .variations = {}};
+  physics::validate(request.mechanism);
+  for (const std::string& text : options.vary) {
+    const auto& v = request.variations.emplace_back(physics::parse_variation(text));
+    for (std::size_t i = 0; i + 1 < request.variations.size(); ++i)
+      if (request.variations[i].key == v.key) throw DescriptionError(fmt::format("vary '{}' is given twice", v.key));
+  }
+  return request;
+}
+
+physics::Mechanism make_copy(const RolloutRequest& request, long long copy) {
+  physics::Mechanism mechanism = request.mechanism;
+  const std::vector<double> values = physics::draw(request.variations, request.seed, copy);
+  for (std::size_t i = 0; i < values.size(); ++i) physics::set_value(mechanism, request.variations[i].key, values[i]);
+  return mechanism;
+}
+
+/// What one process did.
+struct Part {
+  Tally tally;                  ///< of the shard, with what the file held before
+  long long steps_now = 0;      ///< made in this run
+  long long copies_before = 0;  ///< that the file held
+  bool complete = false;
+};
+
+Part run_shard(const Options& options, const RolloutRequest& request, const Shard& shard, const std::string& path) {
+  Part part;
+  std::optional<RolloutFile> file;
+  long long first = shard.first(request.copies);
+  if (!path.empty()) {
+    file.emplace(path, request, shard);
+    first = file->next();
+    part.tally = file->tally();
+    part.copies_before = part.tally.copies;
+  }
+  const long long last = shard.last(request.copies);
+  long long due = first;
+  Progress progress(static_cast<int>(std::min<long long>(last - first, 1 << 30)), "copy");
+  physics::BatchRun run{.first = first,
+                        .last = last,
+                        .steps = request.steps,
+                        .threads = options.threads,
+                        .lanes = options.lanes,
+                        .settings = {},
+                        .make = [&](long long copy) { return make_copy(request, copy); },
+                        .stop = [] { return interrupt() != 0; },
+                        .on_result = {}};
+  run.settings.tolerance = request.tolerance;
+  run.on_result = [&](physics::CopyResult&& result) {
+    const std::string record = rollout_record(request, result);
+    if (file) file->add(record);
+    count(part.tally, record);
+    part.steps_now += result.steps;
+    ++due;
+    progress.update(static_cast<int>(due - first));
+    return interrupt() == 0;
+  };
+  physics::run_batch(request.mechanism, run);
+  if (file) file->flush();
+  part.complete = due == last;
+  return part;
+}
+
+/// The tallies of all processes, the failures of this one.
+void sum(const Processes& processes, Part& part) {
+  using graphsolve::Status;
+  const std::vector<std::string> names{"solved", "max_iterations", "stalled", "singular", "not_finite", "step_bound"};
+  std::vector<long long> values{part.tally.copies, part.tally.steps, part.steps_now, part.copies_before, part.complete};
+  for (const std::string& name : names) values.push_back(part.tally.statuses[name]);
+  processes.sum(values);
+  part.tally.copies = values[0];
+  part.tally.steps = values[1];
+  part.steps_now = values[2];
+  part.copies_before = values[3];
+  part.complete = values[4] == processes.count();
+  for (std::size_t i = 0; i < names.size(); ++i) part.tally.statuses[names[i]] = values[5 + i];
+}
+
+std::string statuses_text(const Tally& tally) {
+  std::vector<std::string> parts;
+  for (const auto& [status, count] : tally.statuses)
+    if (count > 0) parts.push_back(fmt::format("{} {}", count, status));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+int finish(const RolloutRequest& request, const Part& part) {
+  for (const std::string& failure : part.tally.failures) fmt::print(stderr, "graphsolve: {}\n", failure);
+  if (interrupt()) {
+    fmt::print(stderr, "graphsolve: {}: stopped by signal {}; the same command goes on from there\n", request.scene,
+               interrupt());
+    return interrupted + interrupt();
+  }
+  return part.tally.failed() > 0 ? step_failed : all_solved;
+}
+
+int rollout_here(const Options& options, const RolloutRequest& request, const Processes& processes) {
+  const bool many = processes.count() > 1;
+  if (many && !options.shard.empty()) throw DescriptionError("--shard is not for mpirun: each process is a shard");
+  const Shard shard = many ? Shard{processes.rank(), processes.count()} : parse_shard(options.shard);
+  const auto part_of = [&](int rank) { return fmt::format("{}.{}-of-{}", options.out, rank, processes.count()); };
+  const bool in_parts = many && !options.out.empty();
+  if (in_parts && std::filesystem::exists(options.out))
+    throw DescriptionError(fmt::format("'{}' is there already", options.out));
+  catch_interrupts();
+  const auto begin = std::chrono::steady_clock::now();
+  Part part = run_shard(options, request, shard, in_parts ? part_of(processes.rank()) : options.out);
+  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  sum(processes, part);
+  if (processes.rank() == 0) {
+    if (in_parts && part.complete) {
+      std::vector<std::string> parts;
+      for (int rank = 0; rank < processes.count(); ++rank) parts.push_back(part_of(rank));
+      merge_rollouts(parts, options.out);
+      for (const std::string& path : parts) std::filesystem::remove(path);
+    }
+    fmt::print("{:<22} {}: {} copies of {} steps{}\n", "rollout", request.scene, request.copies, request.steps,
+               shard.count > 1 && !many ? fmt::format(", shard {}/{}", shard.index, shard.count) : "");
+    fmt::print("{:<22} {}\n", "outcomes", statuses_text(part.tally));
+    if (part.copies_before) fmt::print("{:<22} {} copies\n", "done before", part.copies_before);
+    fmt::print("{:<22} {} in {:.3g} s: {:.4g} env-steps/s by {} process{} of {} thread{}\n", "env-steps", part.steps_now,
+               wall, static_cast<double>(part.steps_now) / wall, processes.count(), many ? "es" : "", options.threads,
+               options.threads > 1 ? "s" : "");
+    if (!options.out.empty()) fmt::print("{:<22} {}\n", "file", options.out);
+  }
+  return finish(request, part);
+}
+
+int merge(const Options& options) {
+  if (options.out.empty()) throw DescriptionError("--merge needs --out");
+  if (!options.scene.empty()) throw DescriptionError("--merge takes files of shards, no scene");
+  const Tally tally = merge_rollouts(options.merge, options.out);
+  fmt::print("{:<22} {} copies: {}\n{:<22} {}\n", "merged", tally.copies, statuses_text(tally), "file", options.out);
+  return tally.failed() > 0 ? step_failed : all_solved;
+}
+
+int rollout(const Options& options) {
+  if (!options.merge.empty()) return merge(options);
+  const Processes processes;
+  try {
+    return rollout_here(options, make_request(options), processes);
+  } catch (const DescriptionError& error) {
+    if (processes.count() > 1) {  // the others wait for this one
+      fmt::print(stderr, "graphsolve: {}\n", error.what());
+      std::fflush(stderr);
+      processes.abort(wrong_input);
+    }
+    throw;
+  }
+}
+
+}  // namespace
+
+Command add_rollout(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("rollout", "Simulate many copies of a scene that differ in some numbers.");
+  const auto options = std::make_shared<Options>();
+  add_options(*command, *options);
+  return [options] { return rollout(*options); };
+}
+
+}  // namespace cli

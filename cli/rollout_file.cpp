@@ -1,0 +1,222 @@
+#include "rollout_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+
+#include "physics/scene_io.hpp"
+
+namespace cli {
+
+using Json = nlohmann::ordered_json;
+using physics::DescriptionError;
+
+namespace {
+
+constexpr int flush_after = 64;  ///< records
+
+std::string hash(const std::string& text) {
+  std::uint64_t value = 14695981039346656037u;  // FNV-1a
+  for (const char c : text) value = (value ^ static_cast<unsigned char>(c)) * 1099511628211u;
+  return fmt::format("{:016x}", value);
+}
+
+Json to_json(const physics::Vec3& v) { return {v.x(), v.y(), v.z()}; }
+/// JSON has no infinity.
+Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json parse(const std::string& line, const std::string& where) {
+  Json json = Json::parse(line, nullptr, false);
+  if (!json.is_object()) throw DescriptionError(fmt::format("{}: is not a line of a rollout", where));
+  return json;
+}
+
+/// Two headers that should be equal.
+void compare(const std::string& found, const std::string& wanted, const std::string& path) {
+  if (found == wanted) return;
+  const Json have = parse(found, path + ":1"), want = Json::parse(wanted);
+  for (const auto& [key, value] : want.items()) {
+    const Json other = have.value(key, Json());
+    if (other == value) continue;
+    if (key == "format") throw DescriptionError(fmt::format("{}: is not a file of a rollout", path));
+    throw DescriptionError(fmt::format("{}: holds a rollout with {} {}, not {}", path, key, other.dump(), value.dump()));
+  }
+  throw DescriptionError(fmt::format("{}: its header says more than this program writes", path));
+}
+
+/// Reads complete lines only; `size` is where the last of them ends.
+struct Lines {
+  explicit Lines(const std::string& path) : in(path, std::ios::binary) {}
+  bool next(std::string& line) {
+    if (!std::getline(in, line) || in.eof()) return false;
+    size += line.size() + 1;
+    return true;
+  }
+  std::ifstream in;
+  std::uintmax_t size = 0;
+};
+
+/// Counts the records of a shard's file, which must be the copies in order. Returns the copy that is due.
+long long read_records(Lines& lines, long long first, const std::string& path, Tally& tally) {
+  std::string line;
+  for (long long copy = first;; ++copy) {
+    if (!lines.next(line)) return copy;
+    if (!line.starts_with(fmt::format("{{\"copy\":{},", copy)))
+      throw DescriptionError(fmt::format("{}:{}: is not the record of copy {}", path, copy - first + 2, copy));
+    count(tally, line);
+  }
+}
+
+}  // namespace
+
+long long Tally::failed() const {
+  const auto solved = statuses.find("solved");
+  return copies - (solved == statuses.end() ? 0 : solved->second);
+}
+
+std::string rollout_header(const RolloutRequest& request, const Shard& shard) {
+  std::ostringstream scene;
+  physics::write_scene_json(request.mechanism, scene);
+  Json vary = Json::array();
+  for (const physics::Variation& v : request.variations) vary.push_back({{"key", v.key}, {"low", v.low}, {"high", v.high}});
+  return Json{{"format", "graphsolve-rollout"},
+              {"version", 1},
+              {"program", "graphsolve " GRAPHSOLVE_VERSION},
+              {"scene", request.scene},
+              {"scene_hash", hash(scene.str())},
+              {"copies", request.copies},
+              {"steps", request.steps},
+              {"time_step_s", request.mechanism.time_step},
+              {"tolerance_m_per_s", request.tolerance},
+              {"seed", request.seed},
+              {"vary", vary},
+              {"shard", fmt::format("{}/{}", shard.index, shard.count)}}
+      .dump();
+}
+
+std::string rollout_record(const RolloutRequest& request, const physics::CopyResult& r) {
+  Json json{{"copy", r.copy}};
+  const std::vector<double> values = physics::draw(request.variations, request.seed, r.copy);
+  Json vary = Json::object();
+  for (std::size_t i = 0; i < values.size(); ++i) vary[request.variations[i].key] = values[i];
+  json["vary"] = vary;
+  json["status"] = graphsolve::name(r.last.status);
+  json["steps"] = r.steps;
+  if (!r.ok()) json["place"] = r.place;
+  json["iterations"] = r.iterations;
+  json["most_iterations"] = r.most_iterations;
+  json["substepped_steps"] = r.substepped_steps;
+  json["restarted_steps"] = r.restarted_steps;
+  json["new_force_direction_steps"] = r.turned_steps;
+  json["largest_residual_m_per_s"] = finite(r.residual);
+  json["smallest_distance_m"] = finite(r.smallest_distance);
+  json["joint_error"] = finite(r.joint_error);
+  json["energy_J"] = {{"start", finite(r.energy_start)}, {"end", finite(r.energy_end)}};
+  Json bodies = Json::array();
+  for (const physics::BodyRecord& body : r.bodies) {
+    const physics::Quat& q = body.orientation;
+    bodies.push_back({{"position", to_json(body.position)},
+                      {"orientation", {q.w(), q.x(), q.y(), q.z()}},
+                      {"velocity", to_json(body.velocity)},
+                      {"angular_velocity", to_json(body.angular_velocity)}});
+  }
+  json["bodies"] = bodies;
+  return json.dump();
+}
+
+void count(Tally& tally, const std::string& record) {
+  const Json json = parse(record, "a record");
+  const std::string status = json.value("status", "");
+  ++tally.copies;
+  tally.steps += json.value("steps", 0);
+  ++tally.statuses[status];
+  if (status != "solved" && tally.failures.size() < most_failures_named)
+    tally.failures.push_back(fmt::format("copy {}: step {} failed, {} at {}", json.value("copy", 0LL),
+                                         json.value("steps", 0) + 1, status, json.value("place", "")));
+}
+
+RolloutFile::RolloutFile(const std::string& path, const RolloutRequest& request, const Shard& shard)
+    : path_(path), next_(shard.first(request.copies)) {
+  const std::string header = rollout_header(request, shard);
+  Lines lines(path);
+  std::string line;
+  const bool begun = lines.in && lines.next(line);
+  if (begun) {
+    compare(line, header, path);
+    next_ = read_records(lines, next_, path, tally_);
+    if (next_ > shard.last(request.copies)) throw DescriptionError(path + ": holds more records than its header says");
+  } else if (!line.empty() && !header.starts_with(line)) {
+    throw DescriptionError(fmt::format("{}: is not a file of a rollout", path));
+  }
+  lines.in.close();
+  if (begun) std::filesystem::resize_file(path, lines.size);
+  else physics::check_writable(path);
+  out_.open(path, std::ios::binary | (begun ? std::ios::app : std::ios::trunc));
+  if (!begun) out_ << header << '\n';
+  flush();
+}
+
+void RolloutFile::add(const std::string& record) {
+  out_ << record << '\n';
+  ++next_;
+  if (++unflushed_ >= flush_after) flush();
+}
+
+void RolloutFile::flush() {
+  unflushed_ = 0;
+  if (!out_.flush()) throw DescriptionError(fmt::format("cannot write '{}'", path_));
+}
+
+Tally merge_rollouts(const std::vector<std::string>& parts, const std::string& out) {
+  struct Part {
+    std::string path;
+    Shard shard;
+  };
+  std::vector<Part> found;
+  Json common;
+  for (const std::string& path : parts) {
+    Lines lines(path);
+    std::string line;
+    if (!lines.in) throw DescriptionError(fmt::format("cannot read '{}'", path));
+    if (!lines.next(line)) throw DescriptionError(fmt::format("{}: is not a file of a rollout", path));
+    Json header = parse(line, path + ":1");
+    Shard shard;
+    if (std::sscanf(header.value("shard", "").c_str(), "%d/%d", &shard.index, &shard.count) != 2 || shard.count < 1)
+      throw DescriptionError(fmt::format("{}: is not a file of a rollout", path));
+    header["shard"] = "0/1";
+    if (found.empty()) common = header;
+    compare(header.dump(), common.dump(), path);
+    found.push_back({path, shard});
+  }
+  std::sort(found.begin(), found.end(), [](const Part& a, const Part& b) { return a.shard.index < b.shard.index; });
+  const int count = found.empty() ? 0 : found.front().shard.count;
+  for (int i = 0; i < count; ++i)
+    if (i >= static_cast<int>(found.size()) || found[i].shard.index != i || found[i].shard.count != count)
+      throw DescriptionError(fmt::format("shard {}/{} is missing, or there twice", i, count));
+  if (static_cast<int>(found.size()) != count) throw DescriptionError("shards are there twice");
+
+  const long long copies = common.value("copies", 0LL);
+  Tally tally;
+  std::ostringstream text;
+  text << common.dump() << '\n';
+  for (const Part& part : found) {
+    Lines lines(part.path);
+    std::string line;
+    lines.next(line);
+    const long long due = read_records(lines, part.shard.first(copies), part.path, tally);
+    if (due != part.shard.last(copies))
+      throw DescriptionError(fmt::format("{}: is not complete: copy {} is due", part.path, due));
+    Lines again(part.path);
+    again.next(line);
+    while (again.next(line)) text << line << '\n';
+  }
+  physics::write_text_file(text.str(), out);
+  return tally;
+}
+
+}  // namespace cli

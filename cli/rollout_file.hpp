@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "physics/batch_run.hpp"
+#include "physics/batch_variation.hpp"
+
+/// Files of rollouts: JSON lines, a header that says what was asked for, then one record per copy, in order.
+namespace cli {
+
+/// Copies first .. last - 1 of all, split evenly in order.
+struct Shard {
+  int index = 0, count = 1;
+  [[nodiscard]] long long first(long long copies) const { return copies * index / count; }
+  [[nodiscard]] long long last(long long copies) const { return copies * (index + 1) / count; }
+};
+
+/// All that the numbers in a file depend on.
+struct RolloutRequest {
+  std::string scene;               ///< as named on the command line
+  physics::Mechanism mechanism;
+  long long copies = 0;
+  int steps = 0;
+  double tolerance = 0;
+  std::uint64_t seed = 0;
+  std::vector<physics::Variation> variations;
+};
+
+/// What was counted in a file or a run.
+struct Tally {
+  long long copies = 0, steps = 0;
+  std::map<std::string, long long> statuses;  ///< of the last step of each copy
+  std::vector<std::string> failures;          ///< sentences, the first few
+  [[nodiscard]] long long failed() const;
+};
+inline constexpr std::size_t most_failures_named = 10;
+
+/// The header line without its end.
+std::string rollout_header(const RolloutRequest& request, const Shard& shard);
+/// A record's line without its end.
+std::string rollout_record(const RolloutRequest& request, const physics::CopyResult& result);
+void count(Tally& tally, const std::string& record);
+
+/// A file that is continued when it holds the beginning of the same rollout.
+class RolloutFile {
+ public:
+  /// Reads what is there, drops a last line that is not complete. Throws DescriptionError when the file is another
+  /// rollout's, or something else: "many.jsonl: holds a rollout with seed 1, not 2".
+  RolloutFile(const std::string& path, const RolloutRequest& request, const Shard& shard);
+  [[nodiscard]] long long next() const { return next_; }  ///< copy that is due
+  [[nodiscard]] const Tally& tally() const { return tally_; }  ///< of the records that were there
+  /// The record of the copy that is due. Throws DescriptionError on a full disk, for example.
+  void add(const std::string& record);
+  void flush();
+
+ private:
+  std::string path_;
+  std::ofstream out_;
+  long long next_;
+  Tally tally_;
+  int unflushed_ = 0;
+};
+
+/// Puts the files of all shards, in any order, into one with the bytes that a run without shards writes. Throws
+/// DescriptionError that names the file that is missing, double, incomplete or of another rollout.
+Tally merge_rollouts(const std::vector<std::string>& parts, const std::string& out);
+
+}  // namespace cli

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "physics/batch_simulator.hpp"
+
+/// Runs of many copies of a scene: through the lanes of batches, one batch per thread.
+namespace physics {
+
+/// What became of one copy.
+struct CopyResult {
+  long long copy = 0;
+  StepResult last;        ///< of the last step tried
+  int steps = 0;          ///< solved
+  std::string place;      ///< where the solver got stuck, empty when all steps were solved
+  long long iterations = 0;
+  int most_iterations = 0;                       ///< in one step
+  int substepped_steps = 0, restarted_steps = 0, turned_steps = 0;  ///< as in RunSummary
+  double residual = 0;           ///< largest [m/s]
+  double smallest_distance = 0;  ///< over all contacts and states, start included [m]; +inf without contacts
+  double joint_error = 0;        ///< at the end [m, rad]
+  double energy_start = 0, energy_end = 0;  ///< [J]
+  std::vector<BodyRecord> bodies;           ///< at the end
+  [[nodiscard]] bool ok() const { return last.ok(); }
+};
+
+struct BatchRun {
+  long long first = 0, last = 0;  ///< copies first .. last - 1
+  int steps = 0;                  ///< of each copy
+  int threads = 1;                ///< each has a batch of its own
+  int lanes = 16;                 ///< of each batch
+  SimulatorSettings settings;
+  /// The copy of this number. Called by several threads at once.
+  std::function<Mechanism(long long copy)> make;
+  /// Asked by every thread before every step; true ends the run. May be unset.
+  std::function<bool()> stop;
+  /// One at a time, in order of the copies. False ends the run: no further copy is begun or handed out.
+  std::function<bool(CopyResult&&)> on_result;
+};
+
+/// Makes every copy's steps until they are done or one fails; its lane then takes the next copy. A copy's result does not
+/// depend on lanes or threads, to the bit. Throws DescriptionError, "copy 17: ...", when a copy is wrong or does not fit
+/// the scene; results of copies before it may have been handed out.
+void run_batch(const Mechanism& scene, const BatchRun& run);
+
+}  // namespace physics

@@ -1,0 +1,230 @@
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "physics/scene_io.hpp"
+#include "physics/scenes.hpp"
+
+// `graphsolve rollout`: the same bytes for any threads, lanes and shards, after a kill, and by MPI.
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class Rollout : public testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = fs::path(testing::TempDir()) / ("graphsolve_rollout_" + name);
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  [[nodiscard]] std::string text(const std::string& name) const {
+    std::ostringstream out;
+    out << std::ifstream(path(name), std::ios::binary).rdbuf();
+    return out.str();
+  }
+  [[nodiscard]] std::vector<json> lines(const std::string& name) const {
+    std::vector<json> result;
+    std::istringstream in(text(name));
+    for (std::string line; std::getline(in, line);) result.push_back(json::parse(line));
+    return result;
+  }
+  /// Exit code; stdout and stderr go to out_ and err_.
+  int run(const std::string& arguments, const std::string& before = "") {
+    const std::string command =
+        "cd '" + folder_.string() + "' && " + before + " '" GRAPHSOLVE_CLI "' rollout " + arguments + " >.out 2>.err";
+    const int status = std::system(command.c_str());
+    out_ = text(".out");
+    err_ = text(".err");
+    fs::remove(path(".out"));
+    fs::remove(path(".err"));
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  [[nodiscard]] std::uintmax_t size(const std::string& name) const {
+    std::error_code none;
+    const auto bytes = fs::file_size(path(name), none);
+    return none ? 0 : bytes;
+  }
+  /// Sends a signal when the file has some records, and waits for the end.
+  int signal_amid(const std::string& arguments, const std::string& file, int signal) {
+    const pid_t child = fork();
+    if (child == 0) {
+      if (chdir(folder_.c_str()) != 0 || !freopen("/dev/null", "w", stdout) || !freopen("/dev/null", "w", stderr)) _exit(3);
+      execl("/bin/sh", "sh", "-c", ("exec '" GRAPHSOLVE_CLI "' rollout " + arguments).c_str(), nullptr);
+      _exit(3);
+    }
+    for (int i = 0; i < 20000 && size(file) < 30000; ++i) std::this_thread::sleep_for(std::chrono::microseconds(500));
+    kill(child, signal);
+    int status = 0;
+    waitpid(child, &status, 0);
+    return status;
+  }
+
+  fs::path folder_;
+  std::string out_, err_;
+};
+
+const std::string work = "disc:c=4 --copies 23 --steps 30 --vary friction=0.1:0.9 --vary start.velocity.x=-1:1 --seed 7";
+
+TEST_F(Rollout, WritesOneRecordPerCopyInOrderWithWhatWasVaried) {
+  ASSERT_EQ(run(work + " --out a.jsonl"), 0) << err_;
+  const std::vector<json> all = lines("a.jsonl");
+  ASSERT_EQ(all.size(), 24u);
+  EXPECT_EQ(all[0]["format"], "graphsolve-rollout");
+  EXPECT_EQ(all[0]["copies"], 23);
+  std::set<double> frictions;
+  for (int i = 0; i < 23; ++i) {
+    const json& record = all[i + 1];
+    EXPECT_EQ(record["copy"], i);
+    EXPECT_EQ(record["status"], "solved");
+    EXPECT_EQ(record["steps"], 30);
+    const double friction = record["vary"]["friction"];
+    EXPECT_GE(friction, 0.1);
+    EXPECT_LE(friction, 0.9);
+    frictions.insert(friction);
+    EXPECT_GE(record["smallest_distance_m"].get<double>(), -1e-9);
+  }
+  EXPECT_EQ(frictions.size(), 23u) << "every copy its own";
+  EXPECT_NE(out_.find("env-steps/s"), std::string::npos);
+}
+
+TEST_F(Rollout, BytesDoNotDependOnThreadsLanesOrShards) {
+  ASSERT_EQ(run(work + " --out one.jsonl"), 0) << err_;
+  const std::string expected = text("one.jsonl");
+  for (const char* way : {"--threads 2", "--threads 4 --lanes 3", "--lanes 1", "--lanes 64"}) {
+    ASSERT_EQ(run(work + " --out other.jsonl " + way), 0) << err_;
+    EXPECT_EQ(text("other.jsonl"), expected) << way;
+    fs::remove(path("other.jsonl"));
+  }
+  for (const char* shard : {"0", "1", "2"})
+    ASSERT_EQ(run(work + " --shard " + shard + "/3 --threads 2 --out part" + shard), 0) << err_;
+  ASSERT_EQ(run("--merge part1 part0 part2 --out merged.jsonl"), 0) << err_;
+  EXPECT_EQ(text("merged.jsonl"), expected);
+}
+
+TEST_F(Rollout, AKilledRunGoesOnToTheSameBytes) {
+  const std::string long_work = "disc:c=8 --copies 800 --steps 60 --vary friction=0.1:0.9 --threads 2";
+  ASSERT_EQ(run(long_work + " --out whole.jsonl"), 0) << err_;
+  const std::string expected = text("whole.jsonl");
+  const int status = signal_amid(long_work + " --out killed.jsonl", "killed.jsonl", SIGKILL);
+  ASSERT_TRUE(WIFSIGNALED(status)) << "it was to be killed before its end";
+  ASSERT_LT(size("killed.jsonl"), expected.size());
+  // What a kill in the middle of a write leaves: half a line.
+  fs::resize_file(path("killed.jsonl"), size("killed.jsonl") - 20);
+  ASSERT_EQ(run(long_work + " --out killed.jsonl"), 0) << err_;
+  EXPECT_EQ(text("killed.jsonl"), expected);
+  EXPECT_NE(out_.find("done before"), std::string::npos) << out_;
+  ASSERT_EQ(run(long_work + " --out killed.jsonl"), 0) << "a complete file stays as it is";
+  EXPECT_EQ(text("killed.jsonl"), expected);
+}
+
+TEST_F(Rollout, AnInterruptedRunEndsCleanlyAndGoesOn) {
+  const std::string long_work = "disc:c=8 --copies 1500 --steps 60 --vary friction=0.1:0.9";
+  const int status = signal_amid(long_work + " --out cut.jsonl", "cut.jsonl", SIGINT);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  ASSERT_EQ(run(long_work + " --out cut.jsonl"), 0) << err_;
+  ASSERT_EQ(run(long_work + " --out whole.jsonl"), 0) << err_;
+  EXPECT_EQ(text("cut.jsonl"), text("whole.jsonl"));
+}
+
+TEST_F(Rollout, RefusesToGoOnWithAnotherRolloutsFile) {
+  ASSERT_EQ(run("disc --copies 2 --steps 3 --out a.jsonl"), 0) << err_;
+  const std::string before = text("a.jsonl");
+  EXPECT_EQ(run("disc --copies 2 --steps 4 --out a.jsonl"), 2);
+  EXPECT_EQ(err_, "graphsolve: a.jsonl: holds a rollout with steps 3, not 4\n");
+  EXPECT_EQ(run("disc --copies 2 --steps 3 --seed 9 --out a.jsonl"), 2);
+  EXPECT_EQ(err_, "graphsolve: a.jsonl: holds a rollout with seed 0, not 9\n");
+  EXPECT_EQ(text("a.jsonl"), before);
+  std::ofstream(path("letter.txt")) << "Dear all,\n";
+  EXPECT_EQ(run("disc --copies 2 --steps 3 --out letter.txt"), 2);
+  EXPECT_EQ(text("letter.txt"), "Dear all,\n");
+}
+
+TEST_F(Rollout, ACopyThatFailsIsNamedAndTheOthersAreDone) {
+  physics::Mechanism scene = physics::built_in_scene("free_top");
+  // More angular momentum than any turn of less than half a circle per step holds, for the lighter tops.
+  scene.add(physics::Load{.body = {0}, .first_step = 5, .last_step = 5, .force = physics::Vec3::Zero(), .torque = {0, 1e8, 0}});
+  physics::write_scene_json(scene, path("doomed.json"));
+  ASSERT_EQ(run("doomed.json --copies 20 --steps 10 --vary mass=0.01:2 --seed 3 --out a.jsonl"), 1) << err_;
+  int failed = 0, solved = 0;
+  for (const json& record : lines("a.jsonl")) {
+    if (!record.contains("copy")) continue;
+    if (record["status"] == "solved") {
+      ++solved;
+      EXPECT_EQ(record["steps"], 10);
+      continue;
+    }
+    ++failed;
+    EXPECT_EQ(record["steps"], 4);
+    EXPECT_NE(err_.find("copy " + std::to_string(record["copy"].get<int>()) + ": step 5 failed"), std::string::npos) << err_;
+  }
+  EXPECT_GT(failed, 0) << "the test shows nothing";
+  EXPECT_GT(solved, 0) << "the test shows nothing";
+}
+
+TEST_F(Rollout, WrongInputIsOneSentence) {
+  const auto refused = [&](const std::string& arguments) {
+    EXPECT_EQ(run(arguments), 2) << arguments;
+    EXPECT_EQ(std::count(err_.begin(), err_.end(), '\n'), 1) << err_;
+    EXPECT_EQ(out_, "");
+    return err_;
+  };
+  EXPECT_EQ(refused("disc --steps 3"), "graphsolve: rollout: --copies is required\n");
+  EXPECT_EQ(refused("disc --copies 2 --steps 3 --shard 2/2"), "graphsolve: shard '2/2' is not I/N with 0 <= I < N\n");
+  EXPECT_EQ(refused("disc --copies 2 --steps 3 --vary friction=1"), "graphsolve: vary 'friction=1' is not KEY=LOW:HIGH\n");
+  EXPECT_EQ(refused("disc --copies 2 --steps 3 --vary wheel.mass=1:2"),
+            "graphsolve: copy 0: vary 'wheel.mass': the scene has no body 'wheel'\n");
+  EXPECT_NE(refused("disc --copies 2 --steps 3 --vary colour=1:2").find("vary 'colour': unknown key; there are: friction"),
+            std::string::npos);
+  EXPECT_NE(refused("disc --copies 0 --steps 3").find("must be a whole number >= 1, not 0"), std::string::npos);
+  EXPECT_NE(refused("snake --copies 5 --steps 3 --out a.jsonl --vary start.link1.position.x=5:6").find("copy 0: "),
+            std::string::npos);
+  EXPECT_NE(refused("--merge nothing.jsonl --out a").find("cannot read 'nothing.jsonl'"), std::string::npos);
+}
+
+TEST_F(Rollout, MergeNamesAShardThatIsMissingOrIncomplete) {
+  for (const char* shard : {"0", "1"})
+    ASSERT_EQ(run(work + " --shard " + shard + "/2 --out part" + shard), 0) << err_;
+  EXPECT_EQ(run("--merge part0 --out a"), 2);
+  EXPECT_EQ(err_, "graphsolve: shard 1/2 is missing, or there twice\n");
+  fs::resize_file(path("part1"), fs::file_size(path("part1")) - 5);
+  EXPECT_EQ(run("--merge part0 part1 --out a"), 2);
+  EXPECT_EQ(err_, "graphsolve: part1: is not complete: copy 22 is due\n");
+  EXPECT_FALSE(fs::exists(path("a")));
+}
+
+#ifdef GRAPHSOLVE_MPIRUN
+TEST_F(Rollout, TwoMpiProcessesWriteTheSameBytes) {
+  ASSERT_EQ(run(work + " --out one.jsonl"), 0) << err_;
+  const std::string mpirun =
+      "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 '" GRAPHSOLVE_MPIRUN "' --oversubscribe -np 2";
+  ASSERT_EQ(run(work + " --out two.jsonl", mpirun), 0) << err_;
+  EXPECT_EQ(text("two.jsonl"), text("one.jsonl"));
+  EXPECT_FALSE(fs::exists(path("two.jsonl.0-of-2"))) << "the parts are gone";
+  EXPECT_NE(out_.find("by 2 processes"), std::string::npos) << out_;
+  EXPECT_EQ(run(work + " --shard 0/2 --out x", mpirun), 2);
+  EXPECT_NE(err_.find("each process is a shard"), std::string::npos) << err_;
+}
+#endif
+
+}  // namespace
