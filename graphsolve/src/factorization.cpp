@@ -25,6 +25,7 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
   row_exchange_.assign(s.rows(), 0);
   column_exchange_.assign(s.rows(), 0);
   reference_.assign(s.rows(), 0.0);
+  panel_reference_.assign(s.rows(), 0.0);
   rank_.assign(s.pivots(), 0);
   first_row_.assign(s.pivots(), 0);
   dropped_.reserve(s.rows());
@@ -58,11 +59,14 @@ Factorization::Outcome Factorization::factorize() {
   Outcome outcome;
   dropped_.clear();
   factorize_range(0, symbolic_->pivots(), outcome);
+  total_ = outcome;
+  complete_ = keep_matrix_ && outcome.ok();
   return outcome;
 }
 
 Factorization::Outcome Factorization::factorize(int component) {
   Outcome outcome;
+  complete_ = false;
   std::erase_if(dropped_, [&](const DroppedRow& d) { return symbolic_->component(d.node) == component; });
   factorize_range(symbolic_->component_begin(component), symbolic_->component_begin(component + 1), outcome);
   return outcome;
@@ -79,12 +83,24 @@ void Factorization::start_reference(int k) {
   double* reference = reference_.data() + first_row_[k];
   const double* diagonal = values_.data() + p.diagonal;
   const int d = p.dimension;
-  if (tracks_reference(k))
+  if (tracks_reference(k)) {
     for (int i = 0; i < d; ++i) reference[i] = diagonal[i * (d + 1)];
-  else if (symmetric() && (!p.saddle || kind_ == FactorizationKind::cholesky))
+    start_panel_reference(k);
+  } else if (symmetric() && (!p.saddle || kind_ == FactorizationKind::cholesky))
     for (int i = 0; i < d; ++i) reference[i] = std::abs(diagonal[i * (d + 1)]);
   else
     std::fill_n(reference, d, 0.0);
+}
+
+/// Largest entry of each row right of the diagonal block.
+void Factorization::start_panel_reference(int k) {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  double* reference = panel_reference_.data() + first_row_[k];
+  if (symmetric()) transpose_panel(k, values_.data());  // the upper panel need not have been filled
+  const double* column = values_.data() + p.upper;
+  std::fill_n(reference, p.dimension, 0.0);
+  for (int c = 0; c < p.coupled_rows; ++c, column += p.dimension)
+    for (int i = 0; i < p.dimension; ++i) reference[i] = std::max(reference[i], std::abs(column[i]));
 }
 
 /// Copies the matrix before it is overwritten.
@@ -152,10 +168,18 @@ void Factorization::drop_rows(int k, Outcome& outcome) {
 }
 
 bool Factorization::factorize_pivot(int k, Outcome& outcome) {
+  const Outcome before = outcome;
   if (tracks_reference(k)) shift_pivot(k);
   rank_[k] = symbolic_->pivot(k).dimension;
   const bool regular = symmetric() ? factorize_pivot_symmetric(k, outcome) : factorize_pivot_any(k, outcome);
   if (!regular) outcome.first_bad_pivot = k;
+  ++outcome.pivots;
+  if (!share_.empty())
+    share_[k] = {.inertia = {.positive = outcome.inertia.positive - before.inertia.positive,
+                             .negative = outcome.inertia.negative - before.inertia.negative,
+                             .zero = outcome.inertia.zero - before.inertia.zero},
+                 .dropped_rows = outcome.dropped_rows - before.dropped_rows,
+                 .boosts = outcome.boosts - before.boosts};
   return regular;
 }
 
@@ -174,8 +198,16 @@ bool Factorization::factorize_pivot_any(int k, Outcome& outcome) {
     rank_[k] = factor_rank_revealing(diagonal, d, reference, dependent, row_exchange_.data() + row,
                                      column_exchange_.data() + row, work_.data() + d * d);
     outcome.operations += lu_operations(d);
-    drop_rows(k, outcome);
-    return !couples_later(k);
+    if (!couples_later(k)) {
+      drop_rows(k, outcome);
+      return true;
+    }
+    if (!keep_matrix_) return false;  // boosting calls for refinement
+    outcome.boosts += d - rank_[k];
+    if (!boost(k, work_.data())) return false;
+    rank_[k] = d;
+    std::copy_n(work_.data(), d * d, diagonal);
+    return kernels::factor_kernel(d)(diagonal, row_exchange_.data() + row, d) > 0;
   }
   return smallest > 0;
 }

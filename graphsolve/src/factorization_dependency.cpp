@@ -8,21 +8,31 @@
 /// Rows of saddle blocks that depend on earlier ones: are they really dependent, and on which?
 namespace graphsolve {
 
-/// Do the rows left out of block k still couple to later pivots? Then they are not dependent, only early.
+/// Do the rows left out of block k still couple to later pivots? Then they are not dependent, only early. What remains
+/// of a coupling is measured against the column it stands in, and against what it was made of: the row in the matrix,
+/// and between saddle blocks what was added to both diagonals. Of a block of rank 0 nothing but rounding remains.
 bool Factorization::couples_later(int k) {
-  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  const Symbolic& s = *symbolic_;
+  const Symbolic::Pivot& p = s.pivot(k);
   const int d = p.dimension, row = first_row_[k];
   const double* a = values_.data() + p.diagonal;
+  const double* column = values_.data() + p.upper;
   double* x = work_.data() + 2 * d * d;
-  for (int c = 0; c < p.coupled_rows; ++c) {
-    const double* column = values_.data() + p.upper + c * d;
-    double largest = 0;
-    for (int i = 0; i < d; ++i) largest = std::max(largest, std::abs(x[i] = column[i]));
-    for (int q = 0; q < d; ++q) std::swap(x[q], x[row_exchange_[row + q]]);
-    for (int q = 0; q < rank_[k]; ++q)
-      for (int i = q + 1; i < d; ++i) x[i] -= a[q * d + i] * x[q];
-    for (int i = rank_[k]; i < d; ++i)
-      if (std::abs(x[i]) > 1e-8 * largest) return true;
+  for (int e = p.begin; e < p.end; ++e) {
+    const Symbolic::Pivot& later = s.pivot(s.coupled_[e]);
+    for (int c = 0; c < later.dimension; ++c, column += d) {
+      double largest = 0;
+      for (int i = 0; i < d; ++i) largest = std::max(largest, std::abs(x[i] = column[i]));
+      for (int q = 0; q < d; ++q) std::swap(x[q], x[row_exchange_[row + q]]);
+      for (int q = 0; q < rank_[k]; ++q)
+        for (int i = q + 1; i < d; ++i) x[i] -= a[q * d + i] * x[q];
+      const double own = later.saddle ? std::abs(values_[later.diagonal + c * (later.dimension + 1)]) : 0;
+      for (int i = rank_[k]; i < d; ++i) {
+        const int original = row + original_row(k, i);
+        const double made_of = std::max(panel_reference_[original], std::sqrt(reference_[original] * own));
+        if (std::abs(x[i]) > 1e-8 * largest && std::abs(x[i]) > 1e-11 * made_of) return true;
+      }
+    }
   }
   return false;
 }

@@ -73,7 +73,7 @@ Factorization::Refinement Factorization::refine_range(std::span<const double> b,
       break;
     }
     ++result.sweeps;
-    const bool slow = error > 0.5 * result.backward_error;
+    const bool slow = error > 0.9 * result.backward_error;
     result.backward_error = error;
     if (slow) break;
   }

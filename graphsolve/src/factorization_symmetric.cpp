@@ -104,7 +104,7 @@ bool Factorization::factorize_pivot_indefinite(int k, Outcome& outcome) {
   return kernels::factor_kernel(d)(diagonal, row_exchange_.data() + row, d) > 0;
 }
 
-/// Adds to the diagonal entries that rank-revealing pivoting left over. A row without entries of its own takes the
+/// Adds to the diagonal entries of `block`, the pivot as it was, that rank-revealing pivoting left over. A row without entries of its own takes the
 /// size of its couplings; one without any couplings cannot be boosted.
 bool Factorization::boost(int k, double* block) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
@@ -117,7 +117,7 @@ bool Factorization::boost(int k, double* block) {
     if (!(own > 0))
       for (int c = 0; c < p.coupled_rows; ++c) own = std::max(own, std::abs(upper[c * d + i]));
     if (!(own > 0)) return false;
-    block[i * (d + 1)] += (p.saddle ? -boosted : boosted) * own;
+    block[i * (d + 1)] += (p.saddle && symmetric() ? -boosted : boosted) * own;
   }
   return true;
 }

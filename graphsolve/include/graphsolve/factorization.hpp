@@ -50,6 +50,9 @@ class Factorization {
   /// Whether the next factorizations keep that copy. Off at first.
   void keep_matrix(bool keep) { keep_matrix_ = keep; }
 
+  /// The kept copy, laid out like values(). The symmetric kinds fill both triangles of it.
+  [[nodiscard]] std::span<const double> matrix() const { return matrix_; }
+
   /// Proximal shift: every saddle row gets this part of what its neighbours added to its diagonal on top, with the
   /// same sign. Bounds what rounding can do where neighbours are very stiff; refine() and Newton iterations take it
   /// out again. 0 at first: the matrix is factored as it is. No effect on cholesky.
@@ -57,21 +60,37 @@ class Factorization {
 
   struct Outcome {
     int dropped_rows = 0;         ///< dependent rows found inside saddle blocks and left out
-    int boosts = 0;               ///< ldlt: rows of no size of their own, see factorize()
+    int boosts = 0;               ///< rows of no size of their own that got one, see factorize()
     int first_bad_pivot = -1;     ///< pivot with NaN, infinity or a singular block that cannot be left out; cholesky:
                                   ///< one that is not positive definite. -1: none
     Inertia inertia;              ///< ldlt, cholesky; zeros for ldu
     double growth = 0;            ///< max |entry met in the elimination| / max |entry of the matrix|; measured when
                                   ///< the matrix is kept, else 0
     std::int64_t operations = 0;  ///< multiplications and divisions done
+    int pivots = 0;               ///< pivots factored
     [[nodiscard]] bool ok() const { return first_bad_pivot < 0; }
   };
   /// Factors all components, or one. Dependent rows of saddle blocks that the eligibility rule does not vouch for
-  /// (pivot below 1e-11 of what was added to the block) are left out: their unknowns become zero. In ldlt any other
-  /// pivot below 1e-13 of its row's size is boosted: 1e-7 of that size, with the sign of its node (saddle negative,
-  /// others positive), is added to the diagonal. The factors are then those of a matrix nearby: call refine().
+  /// (pivot below 1e-11 of what was added to the block) are left out: their unknowns become zero. Where such rows still
+  /// couple to later pivots they are not dependent, only early, and are boosted: 1e-7 of the row's size is added to the
+  /// diagonal (ldu: only when the matrix is kept, else the block is singular). ldlt boosts any other pivot below 1e-13
+  /// of its row's size, with the sign of its node (saddle negative, others positive). After boosts the factors are
+  /// those of a matrix nearby: call refine().
   [[nodiscard]] Outcome factorize();
   [[nodiscard]] Outcome factorize(int component);
+
+  /// Makes room for refactorize(), and for the kept matrix; allocates now.
+  void allow_refactorization();
+  /// A block of the kept matrix, for new numbers before refactorize().
+  [[nodiscard]] double* kept_block(const BlockHandle& handle) { return matrix_.data() + handle.offset; }
+  /// Factors again after some blocks of the kept matrix changed: the diagonal blocks of the nodes in `changed`, and
+  /// couplings with both ends in it. Only these nodes and their ancestors in the elimination tree are done again
+  /// (Outcome::pivots), from the kept matrix, after the updates of their other descendants were applied anew: the same
+  /// bits as factorize() of the whole. Cost: the updates that arrive at the redone pivots, and their own elimination;
+  /// nothing that grows with the rest of the graph. Needs allow_refactorization() and a factorize() of all components
+  /// with the matrix kept; after a failure everything is done again. Inertia, dropped rows and boosts are of the whole
+  /// matrix, growth of the redone pivots. Allocates nothing.
+  [[nodiscard]] Outcome refactorize(std::span<const NodeId> changed);
 
   /// x := A^-1 x, rows in the user's numbering; or only the rows of one component.
   void solve(std::span<double> x) const { solve(x, 1); }
@@ -87,7 +106,7 @@ class Factorization {
     double backward_error = 0;  ///< componentwise: max |A x - b| / (|A| |x| + |b|)
   };
   /// x := refined solution of A x = b, until the componentwise backward error is <= 4 eps rows or no longer
-  /// halves. Needs the kept matrix. b is not changed.
+  /// falls. Needs the kept matrix. b is not changed.
   Refinement refine(std::span<const double> b, std::span<double> x, int max_sweeps = 3);
   Refinement refine(std::span<const double> b, std::span<double> x, int component, int max_sweeps);
 
@@ -106,8 +125,12 @@ class Factorization {
   [[nodiscard]] bool tracks_reference(int k) const;
   void keep(int begin, int end);
   void start_reference(int k);
+  void start_panel_reference(int k);
   void factorize_range(int begin, int end, Outcome& outcome);
   bool factorize_pivot(int k, Outcome& outcome);
+  void restore(int k);
+  void collect_redone(std::span<const NodeId> changed);
+  void forget_redone(Outcome& outcome);
   bool factorize_pivot_any(int k, Outcome& outcome);
   bool factorize_pivot_symmetric(int k, Outcome& outcome);
   bool factorize_pivot_indefinite(int k, Outcome& outcome);
@@ -139,9 +162,22 @@ class Factorization {
   std::vector<int> first_row_;        ///< per pivot: first row in pivot order
   std::vector<double> reference_;     ///< per row in pivot order: largest amount, signed, added to a saddle diagonal;
                                       ///< in the symmetric kinds |diagonal of the matrix| for other nodes
+  std::vector<double> panel_reference_;  ///< where dependence is looked for: largest entry of the row right of the block
   std::vector<double> work_;          ///< two of the largest block and 3 of its rows; solving needs none of it
   std::vector<double> residual_, magnitude_, correction_;
   std::vector<DroppedRow> dropped_;
+  // For refactorize().
+  struct Share {
+    Inertia inertia;
+    int dropped_rows = 0, boosts = 0;
+  };
+  enum class Mark : char { none, redo, apply };
+  std::vector<int> earlier_begin_, earlier_;  ///< per pivot: earlier pivots coupled to it in the factor
+  std::vector<Share> share_;                  ///< per pivot: its part of the last outcome
+  std::vector<Mark> mark_;
+  std::vector<int> queue_;
+  Outcome total_;
+  bool complete_ = false;
   bool keep_matrix_ = false;
   double largest_entry_ = 0;          ///< of the kept part of the matrix
   double saddle_shift_ = 0;

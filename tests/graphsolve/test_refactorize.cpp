@@ -1,0 +1,132 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <memory>
+#include <random>
+
+#include "graphsolve/factorization.hpp"
+#include "support/problem_families.hpp"
+
+namespace {
+
+using namespace graphsolve;
+using families::Problem;
+
+std::vector<Problem> problems(families::Values values) {
+  std::vector<Problem> list;
+  for (const auto family : families::all_families())
+    for (const auto difficulty : {families::Difficulty::plain, families::Difficulty::redundant})
+      list.push_back(families::make_problem({.family = family, .n = 40, .difficulty = difficulty, .values = values}));
+  return list;
+}
+
+std::unique_ptr<Factorization> prepared(const Problem& problem, FactorizationKind kind) {
+  auto f = std::make_unique<Factorization>(
+      std::make_shared<const Symbolic>(problem.graph, minimum_fill_ordering(problem.graph)), kind);
+  f->allow_refactorization();
+  f->keep_matrix(true);
+  families::load(problem.matrix, problem.graph, f->symbolic(), f->values());
+  return f;
+}
+
+/// Ancestors of the nodes in the elimination tree, themselves included.
+int ancestors(const Symbolic& s, const std::vector<NodeId>& nodes) {
+  std::vector<char> seen(s.pivots());
+  int count = 0;
+  for (const NodeId node : nodes)
+    for (int k = s.position(node); k >= 0 && !seen[k]; k = s.parent(k)) seen[k] = 1, ++count;
+  return count;
+}
+
+TEST(Refactorize, GivesTheBitsOfAWholeFactorizationAndRedoesAncestorsOnly) {
+  std::mt19937_64 random(4);
+  for (const auto kind : {FactorizationKind::ldu, FactorizationKind::ldlt}) {
+    const bool ldu = kind == FactorizationKind::ldu;
+    for (const Problem& problem : problems(ldu ? families::Values::unsymmetric : families::Values::symmetric)) {
+      auto partial = prepared(problem, kind);
+      ASSERT_TRUE(partial->factorize().ok()) << problem.name;
+      Problem changed = problem;
+      for (int round = 0; round < 5; ++round) {
+        std::vector<NodeId> nodes;  // one to three regular nodes get another diagonal block
+        for (int k = 0; k <= round % 3; ++k) {
+          const NodeId node{static_cast<int>(random() % static_cast<unsigned>(problem.graph.size()))};
+          if (problem.graph.kind(node) != NodeKind::regular || std::find(nodes.begin(), nodes.end(), node) != nodes.end()) continue;
+          nodes.push_back(node);
+          for (int i = problem.graph.row(node); i < problem.graph.row(node) + problem.graph.dimension(node); ++i)
+            changed.matrix.coeffRef(i, i) *= 1.5;
+          const BlockHandle handle = partial->symbolic().block(node, node);
+          for (int i = 0; i < handle.rows; ++i) partial->kept_block(handle)[i * (handle.rows + 1)] *= 1.5;
+        }
+        auto whole = prepared(changed, kind);
+        const auto expected = whole->factorize();
+        const auto outcome = partial->refactorize(nodes);
+        ASSERT_TRUE(outcome.ok()) << problem.name;
+        EXPECT_TRUE(std::ranges::equal(partial->values(), whole->values())) << problem.name << " round " << round;
+        EXPECT_EQ(outcome.pivots, ancestors(partial->symbolic(), nodes)) << problem.name;
+        EXPECT_LE(outcome.operations, expected.operations) << problem.name;
+        EXPECT_EQ(outcome.inertia, expected.inertia) << problem.name;
+        EXPECT_EQ(outcome.dropped_rows, expected.dropped_rows) << problem.name;
+        EXPECT_EQ(partial->dropped_rows().size(), whole->dropped_rows().size()) << problem.name;
+        Eigen::VectorXd x = problem.right, y = problem.right;
+        partial->solve({x.data(), static_cast<std::size_t>(x.size())});
+        whole->solve({y.data(), static_cast<std::size_t>(y.size())});
+        EXPECT_EQ(x, y) << problem.name;
+      }
+    }
+  }
+}
+
+TEST(Refactorize, ARootOfATreeCostsTheSameWhateverTheSizeOfTheRest) {
+  const auto cost = [](int n) {
+    const Problem problem = families::make_problem({.family = families::Family::chain, .n = n});
+    auto f = prepared(problem, FactorizationKind::ldlt);
+    EXPECT_TRUE(f->factorize().ok());
+    const NodeId root = f->symbolic().node(f->symbolic().pivots() - 1);
+    const auto outcome = f->refactorize({&root, 1});
+    EXPECT_EQ(outcome.pivots, 1);
+    return outcome.operations;
+  };
+  EXPECT_EQ(cost(20), cost(400));
+}
+
+TEST(Refactorize, AfterAFailureEverythingIsDoneAgain) {
+  const Problem problem = families::make_problem({.family = families::Family::chain, .n = 10});
+  auto f = prepared(problem, FactorizationKind::cholesky);  // the constraints' own blocks are negative
+  ASSERT_FALSE(f->factorize().ok());
+  auto g = prepared(problem, FactorizationKind::ldlt);
+  ASSERT_TRUE(g->factorize().ok());
+  const NodeId node{0};
+  const BlockHandle handle = g->symbolic().block(node, node);
+  const double before = g->kept_block(handle)[0];
+  g->kept_block(handle)[0] = std::numeric_limits<double>::quiet_NaN();
+  ASSERT_FALSE(g->refactorize({&node, 1}).ok());
+  g->kept_block(handle)[0] = before;
+  const auto outcome = g->refactorize({&node, 1});
+  ASSERT_TRUE(outcome.ok());
+  EXPECT_EQ(outcome.pivots, problem.graph.size());
+  auto whole = prepared(problem, FactorizationKind::ldlt);
+  ASSERT_TRUE(whole->factorize().ok());
+  EXPECT_TRUE(std::ranges::equal(g->values(), whole->values()));
+}
+
+// Diagonals 1e-12 .. 1e12 need the fallback where there are loops: test_robust_solver.cpp.
+TEST(Refinement, ReachesTheGoalOnEveryFamilyAndHardVariantForBothKinds) {
+  using families::Difficulty;
+  for (const auto family : families::all_families())
+    for (const auto difficulty : {Difficulty::plain, Difficulty::mass_ratio, Difficulty::redundant, Difficulty::exact_saddle})
+      for (const auto leaves : {families::Leaves::none, families::Leaves::one_each})
+        for (const auto kind : {FactorizationKind::ldu, FactorizationKind::ldlt}) {
+          const Problem problem = families::make_problem({.family = family, .n = 60, .leaves = leaves, .difficulty = difficulty});
+          auto f = prepared(problem, kind);
+          ASSERT_TRUE(f->factorize().ok()) << problem.name;
+          Eigen::VectorXd x = problem.right;
+          const std::span<double> view{x.data(), static_cast<std::size_t>(x.size())};
+          const std::span<const double> b{problem.right.data(), static_cast<std::size_t>(x.size())};
+          f->solve(view);
+          (void)f->refine(b, view, 10);
+          EXPECT_LE(families::backward_error(problem.matrix, view, b), 1e-15) << problem.name << (kind == FactorizationKind::ldu ? " ldu" : " ldlt");
+        }
+}
+
+}  // namespace
