@@ -1,0 +1,78 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "graphsolve/factorization.hpp"
+#include "graphsolve/ordering.hpp"
+#include "graphsolve/status.hpp"
+
+namespace graphsolve {
+
+/// How a solution was come by, cheapest first.
+enum class Rung {
+  factorization,       ///< the chosen kind in the chosen order, refined
+  reordered,           ///< stiff nodes and the block that failed eliminated later
+  shifted,             ///< with a proximal shift on the saddle rows, taken out by refinement
+  threshold_pivoting,  ///< by Eigen::SparseLU, or the solver that was given, refined
+};
+std::string_view name(Rung rung);
+
+/// Solves A x = b or says why not: factorization and refinement first; where their backward error is not acceptable,
+/// what Rung lists, one after the other. Never silent: every solve reports its rung, why it was taken and the backward
+/// error of what it hands out. The last rungs allocate, and each costs an analysis of its own the first time.
+class RobustSolver {
+ public:
+  /// x := solution of A x = b for a matrix in compressed columns; false where there is none.
+  struct Matrix {
+    int rows = 0;
+    std::span<const int> column_begin, row_index;
+    std::span<const double> values;
+  };
+  using Fallback = std::function<bool(const Matrix& a, std::span<const double> b, std::span<double> x)>;
+
+  struct Options {
+    FactorizationKind kind = FactorizationKind::ldu;
+    double acceptable = 1e-12;  ///< componentwise backward error
+    int max_sweeps = 10;        ///< of refinement, on each rung
+    Fallback fallback = {};     ///< in place of Eigen::SparseLU
+  };
+  /// Copies the graph. Order: minimum_fill_ordering.
+  explicit RobustSolver(BlockGraph graph) : RobustSolver(std::move(graph), Options{}) {}
+  RobustSolver(BlockGraph graph, Options options);
+  ~RobustSolver();
+  RobustSolver(RobustSolver&&) noexcept;
+  RobustSolver& operator=(RobustSolver&&) noexcept;
+
+  [[nodiscard]] const BlockGraph& graph() const;
+  [[nodiscard]] const Symbolic& symbolic() const;
+  /// The numbers of the matrix, written through symbolic().block(); they stay as they are. The symmetric kinds read
+  /// one triangle (factorization.hpp), so fill both.
+  [[nodiscard]] std::span<double> values();
+  [[nodiscard]] double* block(const BlockHandle& handle) { return values().data() + handle.offset; }
+
+  struct Report {
+    Status status = Status::solved;  ///< solved; not_finite; singular: no solution, or none that any rung found
+    Rung rung = Rung::factorization;
+    std::string why;            ///< what was wrong with the rungs before, or with the system; empty: nothing
+    double backward_error = 0;  ///< componentwise, of the x handed out or of the best one found
+    Factorization::Outcome outcome;  ///< of the first rung
+  };
+  /// To be called when values changed; factors on the first rung.
+  const Factorization::Outcome& factorize();
+  /// x := A^-1 b. x stays as it was when the status is not `solved`. Redundant rows: one solution, or `singular` with
+  /// the names of the rows that b contradicts.
+  Report solve(std::span<const double> b, std::span<double> x);
+  /// The factorization of the first rung, with its matrix: for diagnose().
+  [[nodiscard]] const Factorization& factorization() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace graphsolve

@@ -1,0 +1,304 @@
+#include "graphsolve/robust_solver.hpp"
+
+#include <Eigen/SparseLU>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+#include "kept_matrix.hpp"
+
+namespace graphsolve {
+
+namespace {
+
+constexpr double stiff = 1e6;    ///< a node this much larger than its neighbours is eliminated later
+constexpr double shift = 1e-8;   ///< of what was added to a saddle row; 1e-6 spoils it (algorithm.md 5)
+constexpr double consistent = 1e-9;
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g", value);
+  return text;
+}
+
+/// max |b - A x|_i / (|A| |x| + |b|)_i, and the residual; NaN stays.
+double backward_error(const Eigen::SparseMatrix<double>& a, const Eigen::VectorXd& b, const Eigen::VectorXd& x,
+                      Eigen::VectorXd& residual) {
+  Eigen::VectorXd magnitude = b.cwiseAbs();
+  residual = b;
+  for (int j = 0; j < a.outerSize(); ++j)
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(a, j); entry; ++entry) {
+      residual[entry.row()] -= entry.value() * x[j];
+      magnitude[entry.row()] += std::abs(entry.value() * x[j]);
+    }
+  double error = 0;
+  for (Eigen::Index i = 0; i < b.size(); ++i) {
+    if (magnitude[i] == 0) continue;
+    const double e = std::abs(residual[i]) / magnitude[i];
+    if (e > error || std::isnan(e)) error = e;
+  }
+  return error;
+}
+
+bool better(double error, double than) { return error < than || std::isnan(than); }
+
+}  // namespace
+
+std::string_view name(Rung rung) {
+  switch (rung) {
+    case Rung::factorization: return "factorization";
+    case Rung::reordered: return "reordered";
+    case Rung::shifted: return "shifted";
+    case Rung::threshold_pivoting: return "threshold pivoting";
+  }
+  return "unknown";
+}
+
+struct RobustSolver::Impl {
+  BlockGraph graph;
+  Options options;
+  Ordering ordering;
+  Factorization first;
+  std::vector<double> values;
+  Factorization::Outcome outcome;
+  bool factored = false;
+  // Made when needed, dropped when the values change.
+  std::optional<Eigen::SparseMatrix<double>> matrix;
+  std::optional<Factorization> reordered, shifted;
+  Eigen::SparseLU<Eigen::SparseMatrix<double>> lu;
+
+  struct Attempt {
+    Rung rung;
+    Eigen::VectorXd x;
+    double error;
+  };
+  struct Search {
+    Eigen::VectorXd b;
+    std::optional<Attempt> best;
+    std::string why;
+  };
+
+  Impl(BlockGraph g, Options o)
+      : graph(std::move(g)), options(std::move(o)), ordering(minimum_fill_ordering(graph)),
+        first(std::make_shared<const Symbolic>(graph, ordering), options.kind), values(first.values().size()) {
+    first.allow_refinement();
+    first.keep_matrix(true);
+  }
+
+  void note(Search& search, Rung rung, const std::string& what) const {
+    if (!search.why.empty()) search.why += "; ";
+    search.why += std::string(name(rung)) + ": " + what;
+  }
+
+  void factorize() {
+    std::copy(values.begin(), values.end(), first.values().begin());
+    matrix.reset();
+    reordered.reset();
+    shifted.reset();
+    outcome = first.factorize();
+    factored = true;
+  }
+
+  std::string bad_pivot(const Factorization& f, const Factorization::Outcome& o) const {
+    return "block '" + std::string(graph.name(f.symbolic().node(o.first_bad_pivot))) + "' " +
+           (f.kind() == FactorizationKind::cholesky ? "is not positive definite" : "has no usable pivot");
+  }
+
+  /// True when this attempt is good enough.
+  bool judge(Search& search, Attempt attempt) const {
+    const bool good = attempt.error <= options.acceptable;
+    if (!good) note(search, attempt.rung, "backward error " + number(attempt.error));
+    if (!search.best || better(attempt.error, search.best->error)) search.best = std::move(attempt);
+    return good;
+  }
+
+  bool try_factors(Search& search, Rung rung, Factorization& f, const Factorization::Outcome& o) const {
+    if (!o.ok()) {
+      note(search, rung, bad_pivot(f, o));
+      return false;
+    }
+    Eigen::VectorXd x = search.b;
+    const auto size = static_cast<std::size_t>(x.size());
+    f.solve({x.data(), size});
+    const auto refined = f.refine({search.b.data(), size}, {x.data(), size}, options.max_sweeps);
+    return judge(search, {rung, std::move(x), refined.backward_error});
+  }
+
+  /// Every block of the matrix into a factorization with an order of its own.
+  void load(Factorization& f) const {
+    f.set_zero();
+    each_matrix_block(first.symbolic(), [&](NodeId a, NodeId b, const BlockHandle& from) {
+      std::copy_n(first.matrix().begin() + from.offset, from.rows * from.columns, f.block(f.symbolic().block(a, b)));
+    });
+  }
+
+  double largest_diagonal(NodeId node) const {
+    const BlockHandle h = first.symbolic().block(node, node);
+    double largest = 0;
+    for (int i = 0; i < h.rows; ++i) largest = std::max(largest, std::abs(values[h.offset + i * (h.rows + 1)]));
+    return largest;
+  }
+
+  /// Nodes that should wait: much larger than some neighbour of their kind of unknown, or where the elimination ended.
+  std::vector<char> late_nodes() const {
+    std::vector<char> late(graph.size());
+    for (int k = 0; k < graph.size(); ++k)
+      for (const auto& edge : graph.edges({k})) {
+        const double own = largest_diagonal({k}), other = largest_diagonal(edge.to);
+        if (other > 0 && own > stiff * other) late[k] = 1;
+      }
+    if (!outcome.ok()) late[first.symbolic().node(outcome.first_bad_pivot).index] = 1;
+    return late;
+  }
+
+  bool try_reordered(Search& search) {
+    const std::vector<char> late = late_nodes();
+    if (std::ranges::count(late, 1) == 0) {
+      note(search, Rung::reordered, "no node is stiff");
+      return false;
+    }
+    std::vector<NodeId> sequence;
+    for (const bool wanted : {false, true})
+      for (const NodeId node : ordering.sequence)
+        if ((late[node.index] != 0) == wanted) sequence.push_back(node);
+    reordered.emplace(std::make_shared<const Symbolic>(graph, user_ordering(graph, sequence)), options.kind);
+    reordered->allow_refinement();
+    reordered->keep_matrix(true);
+    load(*reordered);
+    return try_factors(search, Rung::reordered, *reordered, reordered->factorize());
+  }
+
+  bool try_shifted(Search& search) {
+    bool saddle = false;
+    for (int k = 0; k < graph.size(); ++k) saddle = saddle || graph.kind({k}) == NodeKind::saddle;
+    if (!saddle || options.kind == FactorizationKind::cholesky) return false;
+    shifted.emplace(std::make_shared<const Symbolic>(graph, ordering), options.kind);
+    shifted->allow_refinement();
+    shifted->keep_matrix(true);
+    shifted->set_saddle_shift(shift);
+    load(*shifted);
+    return try_factors(search, Rung::shifted, *shifted, shifted->factorize());
+  }
+
+  bool solve_general(const Eigen::VectorXd& b, Eigen::VectorXd& x) {
+    if (!options.fallback) {
+      x = lu.solve(b);
+      return true;
+    }
+    const auto n = static_cast<std::size_t>(b.size());
+    const auto nonzeros = static_cast<std::size_t>(matrix->nonZeros());
+    x.setZero(b.size());
+    return options.fallback({.rows = static_cast<int>(n),
+                             .column_begin = {matrix->outerIndexPtr(), n + 1},
+                             .row_index = {matrix->innerIndexPtr(), nonzeros},
+                             .values = {matrix->valuePtr(), nonzeros}},
+                            {b.data(), n}, {x.data(), n});
+  }
+
+  bool try_general(Search& search) {
+    matrix = sparse_matrix(first.symbolic(), first.matrix());
+    if (!options.fallback) {
+      lu.compute(*matrix);
+      if (lu.info() != Eigen::Success) {
+        note(search, Rung::threshold_pivoting, "the matrix is singular");
+        return false;
+      }
+    }
+    Eigen::VectorXd x, residual, correction;
+    if (!solve_general(search.b, x)) {
+      note(search, Rung::threshold_pivoting, "the given solver failed");
+      return false;
+    }
+    double error = backward_error(*matrix, search.b, x, residual);
+    for (int sweep = 0; sweep < options.max_sweeps && error > 1e-16; ++sweep) {
+      if (!solve_general(residual, correction)) break;
+      const Eigen::VectorXd next = x + correction;
+      Eigen::VectorXd next_residual;
+      const double next_error = backward_error(*matrix, search.b, next, next_residual);
+      if (!better(next_error, error)) break;
+      x = next;
+      residual = next_residual;
+      error = next_error;
+    }
+    return judge(search, {Rung::threshold_pivoting, std::move(x), error});
+  }
+
+  /// Names the redundant rows whose right-hand sides contradict each other; empty: none.
+  std::string contradiction(const Eigen::VectorXd& b) const {
+    Eigen::VectorXd y(b.size());
+    for (const auto& dropped : first.dropped_rows()) {
+      first.dependency(dropped, {y.data(), static_cast<std::size_t>(y.size())});
+      if (!(std::abs(y.dot(b)) > consistent * y.cwiseAbs().dot(b.cwiseAbs()))) continue;
+      std::string names;
+      for (int k = 0; k < graph.size(); ++k) {
+        const auto part = y.segment(graph.row({k}), graph.dimension({k}));
+        if (part.cwiseAbs().maxCoeff() > consistent * y.cwiseAbs().maxCoeff())
+          names += (names.empty() ? "'" : ", '") + std::string(graph.name({k})) + "'";
+      }
+      return "no solution: the rows of " + names + " depend on each other, and the right-hand side contradicts that";
+    }
+    return {};
+  }
+
+  /// The first number that is not one.
+  std::string not_finite(const Eigen::VectorXd& b) const {
+    std::string found;
+    each_matrix_block(first.symbolic(), [&](NodeId r, NodeId c, const BlockHandle& h) {
+      for (int i = 0; i < h.rows * h.columns && found.empty(); ++i)
+        if (const double value = first.matrix()[h.offset + i]; !std::isfinite(value))
+          found = "entry (" + std::to_string(i % h.rows) + ", " + std::to_string(i / h.rows) + ") of block ('" +
+                  std::string(graph.name(r)) + "', '" + std::string(graph.name(c)) + "') is " + number(value);
+    });
+    for (int k = 0; k < graph.size() && found.empty(); ++k)
+      for (int i = 0; i < graph.dimension({k}) && found.empty(); ++i)
+        if (const double value = b[graph.row({k}) + i]; !std::isfinite(value))
+          found = "right-hand side " + std::to_string(i) + " of '" + std::string(graph.name({k})) + "' is " + number(value);
+    return found;
+  }
+};
+
+RobustSolver::RobustSolver(BlockGraph graph, Options options)
+    : impl_(std::make_unique<Impl>(std::move(graph), std::move(options))) {}
+RobustSolver::~RobustSolver() = default;
+RobustSolver::RobustSolver(RobustSolver&&) noexcept = default;
+RobustSolver& RobustSolver::operator=(RobustSolver&&) noexcept = default;
+
+const BlockGraph& RobustSolver::graph() const { return impl_->graph; }
+const Symbolic& RobustSolver::symbolic() const { return impl_->first.symbolic(); }
+std::span<double> RobustSolver::values() { return impl_->values; }
+const Factorization& RobustSolver::factorization() const { return impl_->first; }
+
+const Factorization::Outcome& RobustSolver::factorize() {
+  impl_->factorize();
+  return impl_->outcome;
+}
+
+RobustSolver::Report RobustSolver::solve(std::span<const double> b, std::span<double> x) {
+  Impl& s = *impl_;
+  if (!s.factored) s.factorize();
+  Report report;
+  report.outcome = s.outcome;
+  Impl::Search search;
+  search.b = Eigen::Map<const Eigen::VectorXd>(b.data(), static_cast<Eigen::Index>(b.size()));
+  const auto fail = [&](Status status, std::string why) {
+    report.status = status;
+    report.why = std::move(why);
+    return report;
+  };
+  if (std::string found = s.not_finite(search.b); !found.empty()) return fail(Status::not_finite, std::move(found));
+  if (s.outcome.ok())
+    if (std::string found = s.contradiction(search.b); !found.empty()) return fail(Status::singular, std::move(found));
+  const bool solved = s.try_factors(search, Rung::factorization, s.first, s.outcome) || s.try_reordered(search) ||
+                      s.try_shifted(search) || s.try_general(search);
+  if (search.best) {
+    report.rung = search.best->rung;
+    report.backward_error = search.best->error;
+  }
+  if (!solved) return fail(Status::singular, std::move(search.why));
+  report.why = std::move(search.why);
+  std::copy(search.best->x.begin(), search.best->x.end(), x.begin());
+  return report;
+}
+
+}  // namespace graphsolve

@@ -1,0 +1,183 @@
+#include "graphsolve/robust_solver.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "graphsolve/diagnosis.hpp"
+#include "support/problem_families.hpp"
+
+namespace {
+
+using namespace graphsolve;
+using families::Problem;
+
+std::span<const double> view(const Eigen::VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
+std::span<double> view(Eigen::VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
+
+RobustSolver loaded(const Problem& problem, RobustSolver::Options options) {
+  RobustSolver solver(problem.graph, std::move(options));
+  families::load(problem.matrix, problem.graph, solver.symbolic(), solver.values());
+  return solver;
+}
+
+TEST(RobustSolver, EveryFamilyAndHardVariantIsSolvedToTheGoal) {
+  for (const auto family : families::all_families())
+    for (const auto difficulty : families::all_difficulties())
+      for (const auto kind : {FactorizationKind::ldu, FactorizationKind::ldlt}) {
+        const Problem problem = families::make_problem({.family = family, .n = 60, .difficulty = difficulty});
+        RobustSolver solver = loaded(problem, {.kind = kind, .acceptable = 1e-15, .max_sweeps = 20});
+        Eigen::VectorXd x(problem.right.size());
+        const auto report = solver.solve(view(problem.right), view(x));
+        ASSERT_EQ(report.status, Status::solved) << problem.name << ": " << report.why;
+        EXPECT_LE(families::backward_error(problem.matrix, view(x), view(problem.right)), 1e-15) << problem.name << name(report.rung);
+        EXPECT_EQ(report.rung == Rung::factorization, report.why.empty()) << problem.name << report.why;
+      }
+}
+
+BlockGraph pair_graph(NodeKind kind = NodeKind::regular) {
+  BlockGraph graph;
+  const NodeId a = graph.add_node("left", 1, kind), b = graph.add_node("right", 1, kind);
+  graph.add_edge(a, b);
+  return graph;
+}
+
+void fill(RobustSolver& solver, double aa, double ab, double ba, double bb) {
+  const Symbolic& s = solver.symbolic();
+  *solver.block(s.block({0}, {0})) = aa;
+  *solver.block(s.block({0}, {1})) = ab;
+  *solver.block(s.block({1}, {0})) = ba;
+  *solver.block(s.block({1}, {1})) = bb;
+}
+
+TEST(RobustSolver, ABlockWithoutPivotIsSaidAndSolvedInAnotherOrder) {
+  RobustSolver solver(pair_graph());
+  fill(solver, 0, 1, 1, 3);  // one of the two orders divides by zero
+  if (solver.symbolic().node(0) == NodeId{1}) fill(solver, 3, 1, 1, 0);
+  const std::vector<double> b{1, 2};
+  std::vector<double> x(2);
+  const auto report = solver.solve(b, x);
+  ASSERT_EQ(report.status, Status::solved) << report.why;
+  EXPECT_EQ(report.rung, Rung::reordered);
+  EXPECT_NE(report.why.find("has no usable pivot"), std::string::npos) << report.why;
+  EXPECT_LE(report.backward_error, 1e-15);
+}
+
+TEST(RobustSolver, WhatNoOrderCanDoIsDoneByThresholdPivotingOrTheGivenSolver) {
+  const std::vector<double> b{1, 2};
+  std::vector<double> x(2);
+  RobustSolver solver(pair_graph());
+  fill(solver, 0, 1, 1, 0);
+  const auto report = solver.solve(b, x);
+  ASSERT_EQ(report.status, Status::solved) << report.why;
+  EXPECT_EQ(report.rung, Rung::threshold_pivoting);
+  EXPECT_EQ(x, (std::vector<double>{2, 1}));
+
+  int calls = 0;
+  RobustSolver injected(pair_graph(), {.fallback = [&](const RobustSolver::Matrix& a, std::span<const double> r, std::span<double> y) {
+                          ++calls;
+                          EXPECT_EQ(a.rows, 2);
+                          y[0] = r[1], y[1] = r[0];
+                          return true;
+                        }});
+  fill(injected, 0, 1, 1, 0);
+  ASSERT_EQ(injected.solve(b, x).status, Status::solved);
+  EXPECT_GE(calls, 1);
+}
+
+TEST(RobustSolver, ASingularSystemLeavesXAndNamesTheBlock) {
+  RobustSolver solver(pair_graph());
+  fill(solver, 1, 2, 2, 4);
+  const std::vector<double> b{1, 0};
+  std::vector<double> x{7, 8};
+  const auto report = solver.solve(b, x);
+  EXPECT_EQ(report.status, Status::singular);
+  EXPECT_EQ(x, (std::vector<double>{7, 8}));
+  EXPECT_NE(report.why.find("block '"), std::string::npos) << report.why;
+  EXPECT_NE(report.why.find("the matrix is singular"), std::string::npos) << report.why;
+}
+
+TEST(RobustSolver, ContradictingRedundantRowsHaveNoSolutionAndAreNamed) {
+  const Problem problem = families::make_problem({.family = families::Family::chain, .n = 20, .difficulty = families::Difficulty::redundant});
+  RobustSolver solver = loaded(problem, {});
+  ASSERT_GT(solver.factorize().dropped_rows, 0);
+  Eigen::VectorXd x(problem.right.size());
+  ASSERT_EQ(solver.solve(view(problem.right), view(x)).status, Status::solved);
+  Eigen::VectorXd b = problem.right;
+  const auto dropped = solver.factorization().dropped_rows()[0];
+  b[problem.graph.row(dropped.node) + dropped.row] += 1;
+  const auto report = solver.solve(view(std::as_const(b)), view(x));
+  EXPECT_EQ(report.status, Status::singular);
+  EXPECT_NE(report.why.find("'" + std::string(problem.graph.name(dropped.node)) + "'"), std::string::npos) << report.why;
+}
+
+TEST(RobustSolver, NumbersThatAreNoneAreNamed) {
+  RobustSolver solver(pair_graph());
+  fill(solver, 1, std::numeric_limits<double>::quiet_NaN(), 0, 1);
+  const std::vector<double> b{1, 2};
+  std::vector<double> x(2);
+  const auto report = solver.solve(b, x);
+  EXPECT_EQ(report.status, Status::not_finite);
+  EXPECT_EQ(report.why, "entry (0, 0) of block ('left', 'right') is nan");
+  fill(solver, 1, 0, 0, 1);
+  solver.factorize();
+  const std::vector<double> bad{1, std::numeric_limits<double>::infinity()};
+  EXPECT_EQ(solver.solve(bad, x).why, "right-hand side 0 of 'right' is inf");
+}
+
+Diagnosis of_matrix(const BlockGraph& graph, const Eigen::Matrix2d& a, FactorizationKind kind = FactorizationKind::ldu) {
+  Factorization f(std::make_shared<const Symbolic>(graph, natural_ordering(graph)), kind);
+  f.allow_refinement();
+  f.keep_matrix(true);
+  for (int i = 0; i < 2; ++i)
+    for (int j = 0; j < 2; ++j) *f.block(f.symbolic().block({i}, {j})) = a(i, j);
+  return diagnose(graph, f, f.factorize());
+}
+
+TEST(Diagnosis, NamesTheBlockThatFailedItsNeighboursAndTheNearNullVector) {
+  const Diagnosis d = of_matrix(pair_graph(), (Eigen::Matrix2d() << 1, 2, 2, 4).finished());
+  EXPECT_EQ(d.failed, "right");
+  EXPECT_EQ(d.failed_neighbours, std::vector<std::string>{"left"});
+  EXPECT_EQ(d.structural_rank, 2);
+  EXPECT_LE(d.smallest_singular, 1e-12);
+  ASSERT_EQ(d.near_null.size(), 2u);  // (2, -1)
+  EXPECT_EQ(d.near_null[0].node, "left");
+  EXPECT_NEAR(d.near_null[0].share, 0.8, 1e-6);
+  EXPECT_NE(to_string(d).find("the elimination ended at block 'right', neighbour of 'left'"), std::string::npos) << to_string(d);
+}
+
+TEST(Diagnosis, CountsStructuralRankZeroRowsAndSigns) {
+  const Diagnosis empty_row = of_matrix(pair_graph(), (Eigen::Matrix2d() << 1, 2, 0, 0).finished());
+  EXPECT_EQ(empty_row.structural_rank, 1);
+  ASSERT_EQ(empty_row.zero_rows.size(), 1u);
+  EXPECT_EQ(empty_row.zero_rows[0].node, "right");
+  EXPECT_NE(to_string(empty_row).find("row 0 of 'right' has no entry"), std::string::npos);
+  const Diagnosis swapped = of_matrix(pair_graph(), (Eigen::Matrix2d() << 0, 1, 1, 3).finished());
+  EXPECT_EQ(swapped.structural_rank, 2);  // by an augmenting path
+  const Diagnosis signs = of_matrix(pair_graph(), (Eigen::Matrix2d() << 2, 1, 1, -3).finished(), FactorizationKind::ldlt);
+  EXPECT_EQ(signs.inertia, (Inertia{1, 1, 0}));
+}
+
+TEST(Diagnosis, NamesEntriesThatAreNotNumbersAndNothingElse) {
+  const Diagnosis d = of_matrix(pair_graph(), (Eigen::Matrix2d() << 1, 2, std::numeric_limits<double>::infinity(), 4).finished());
+  ASSERT_EQ(d.not_finite.size(), 1u);
+  EXPECT_EQ(to_string(d), "entry (0, 0) of block ('right', 'left') is inf\n");
+}
+
+TEST(Diagnosis, GroupsRedundantRowsByName) {
+  const Problem problem = families::make_problem({.family = families::Family::chain, .n = 20, .difficulty = families::Difficulty::redundant});
+  RobustSolver solver = loaded(problem, {});
+  const auto outcome = solver.factorize();
+  const Diagnosis d = diagnose(problem.graph, solver.factorization(), outcome);
+  int rows = 0;
+  for (const auto& group : d.redundant) {
+    EXPECT_GE(group.nodes.size(), 2u);
+    rows += group.redundant_rows;
+  }
+  EXPECT_EQ(rows, outcome.dropped_rows);
+  EXPECT_GT(rows, 0);
+  EXPECT_NE(to_string(d).find("too many among"), std::string::npos) << to_string(d);
+}
+
+}  // namespace
