@@ -12,11 +12,11 @@ namespace cli {
 
 namespace {
 
-/// What Open MPI, MPICH and their kin tell the processes they start.
-bool started_by_mpirun() {
+/// What Open MPI, MPICH and their kin tell the processes they start: how many there are; 0 without mpirun.
+int started_by_mpirun() {
   for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MPI_LOCALNRANKS"})
-    if (const char* size = std::getenv(name)) return std::atoi(size) > 0;
-  return false;
+    if (const char* size = std::getenv(name)) return std::atoi(size);
+  return 0;
 }
 
 }  // namespace
@@ -24,14 +24,14 @@ bool started_by_mpirun() {
 #ifdef GRAPHSOLVE_HAS_MPI
 
 Processes::Processes() {
-  if (!started_by_mpirun()) return;
+  if (started_by_mpirun() == 0) return;
   int provided = 0;
   MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
   MPI_Comm_size(MPI_COMM_WORLD, &count_);
 }
 Processes::~Processes() {
-  if (started_by_mpirun()) MPI_Finalize();
+  if (started_by_mpirun() > 0) MPI_Finalize();
 }
 void Processes::sum(std::vector<long long>& values) const {
   if (count_ > 1)
@@ -44,7 +44,7 @@ void Processes::abort(int code) const {
 #else
 
 Processes::Processes() {
-  if (started_by_mpirun())
+  if (started_by_mpirun() > 1)
     throw physics::DescriptionError(
         "started by mpirun, but built without MPI: install libopenmpi-dev and build anew, or run the shards one by one "
         "with --shard");
