@@ -15,6 +15,7 @@
 #include "graphsolve_solver.hpp"
 #include "support/graph_families.hpp"
 #include "support/problem_families.hpp"
+#include "support/real_problems.hpp"
 #include "unit.hpp"
 
 /// graphsolve against general sparse packages: same matrix, same right-hand side, same run, one thread, medians of
@@ -59,17 +60,24 @@ std::span<double> view(Eigen::VectorXd& v) { return {v.data(), static_cast<std::
 struct Entry {
   Spec spec;
   int copies = 1;
+  std::string real = {};  ///< a matrix or pose graph of that name, whatever the spec says
 };
+Problem make_problem(const Entry& entry) {
+  if (entry.real.empty()) return families::make_problem(entry.spec);
+  const auto graphs = families::pose_graphs();
+  return std::find(graphs.begin(), graphs.end(), entry.real) != graphs.end() ? families::pose_graph(entry.real)
+                                                                             : families::real_matrix(entry.real);
+}
 const Problem& problem_of(const Entry& entry, bool definite) {
   static std::map<std::string, Problem> made;
   Problem problem;
-  const std::string key = std::to_string(entry.copies) + (definite ? "d" : "") +
+  const std::string key = entry.real + std::to_string(entry.copies) + (definite ? "d" : "") +
                           std::to_string(static_cast<int>(entry.spec.family)) + "," + std::to_string(entry.spec.n) + "," +
                           std::to_string(static_cast<int>(entry.spec.leaves)) +
                           std::to_string(static_cast<int>(entry.spec.difficulty)) +
                           std::to_string(static_cast<int>(entry.spec.values));
   if (const auto found = made.find(key); found != made.end()) return found->second;
-  problem = families::make_problem(entry.spec);
+  problem = make_problem(entry);
   if (entry.copies > 1) problem = families::repeated(problem, entry.copies);
   if (definite) {
     problem.matrix = baselines::positive_definite_twin(problem.matrix);
@@ -112,13 +120,22 @@ void report_graphsolve(benchmark::State& state, bench::GraphsolveSolver& solver,
   const auto refined = solver.refine(view(problem.right), view(x));
   state.counters["refined_error"] = families::backward_error(a, view(x), view(problem.right));
   state.counters["sweeps"] = refined.sweeps;
-  state.counters["dropped_rows"] = solver.dropped_rows();
+  state.counters["dropped_rows"] = solver.outcome().dropped_rows;
+  state.counters["boosts"] = solver.outcome().boosts;
   state.counters["fill"] = families::fill_factor(solver.symbolic());
   state.counters["operations"] = static_cast<double>(solver.symbolic().counts().operations);
 }
 
+/// Only definite matrices will do, and this one is not.
+bool needs_twin(const Entry& entry, const Factory& factory) {
+  const auto solver = factory({});
+  if (solver->demand() != baselines::Demand::positive_definite) return false;
+  const auto& a = problem_of(entry, false).matrix;
+  return !solver->analyze(a).ok || !solver->refactor({a.valuePtr(), static_cast<std::size_t>(a.nonZeros())}).ok;
+}
+
 void race(benchmark::State& state, const Entry& entry, const Factory& factory) {
-  const bool twin = factory({})->demand() == baselines::Demand::positive_definite;
+  const bool twin = needs_twin(entry, factory);
   const Problem& problem = problem_of(entry, twin);
   if (twin) state.SetLabel("positive definite twin");
   Team team;
@@ -163,17 +180,28 @@ std::vector<std::pair<std::string, Factory>> packages() {
   return list;
 }
 
-std::vector<std::pair<std::string, Factory>> ours() {
-  return {{"graphsolve ldu", [](const graphsolve::BlockGraph& graph) {
-             return std::make_unique<bench::GraphsolveSolver>(graph);
-           }}};
+std::vector<std::pair<std::string, Factory>> ours(bench::Nodes nodes = bench::Nodes::as_given) {
+  std::vector<std::pair<std::string, Factory>> list;
+  const std::string ending = nodes == bench::Nodes::merged ? " merged" : "";
+  for (const auto& [name, kind] : {std::pair{"graphsolve ldu", graphsolve::FactorizationKind::ldu},
+                                   std::pair{"graphsolve ldlt", graphsolve::FactorizationKind::ldlt}})
+    list.emplace_back(name + ending, [kind = kind, nodes](const graphsolve::BlockGraph& graph) {
+      return std::make_unique<bench::GraphsolveSolver>(graph, kind, nodes);
+    });
+  return list;
+}
+
+bool symmetric(const Entry& entry) {
+  if (entry.real.empty()) return entry.spec.values == Values::symmetric;
+  const Eigen::SparseMatrix<double>& a = problem_of(entry, false).matrix;
+  return (a - Eigen::SparseMatrix<double>(a.transpose())).norm() == 0;
 }
 
 void add(const std::string& table, const std::string& problem, const Entry& entry,
          const std::vector<std::pair<std::string, Factory>>& solvers) {
   for (const auto& [solver, factory] : solvers) {
     const Factory& make = factory;
-    if (entry.spec.values == Values::unsymmetric && make({})->demand() != baselines::Demand::any) continue;
+    if (!symmetric(entry) && make({})->demand() != baselines::Demand::any) continue;
     auto* b = benchmark::RegisterBenchmark((table + "/" + problem + "/" + solver).c_str(),
                                            [entry, make](benchmark::State& state) { race(state, entry, make); });
     b->UseManualTime()->Unit(benchmark::kMicrosecond);
@@ -184,8 +212,9 @@ void add(const std::string& table, const std::string& problem, const Entry& entr
 
 /// Everybody on the entry; with more than one copy we solve all in one graph, they one after the other.
 void add_all(const std::string& table, const Entry& entry) {
-  const std::string problem = families::describe(entry.spec);
+  const std::string problem = entry.real.empty() ? families::describe(entry.spec) : entry.real;
   add(table, problem, entry, ours());
+  if (!entry.real.empty()) add(table, problem, entry, ours(bench::Nodes::merged));
   Entry one = entry;
   one.copies = 1;
   add(table, problem, one, packages());
@@ -226,6 +255,8 @@ void add_tables() {
     for (const Family family : families::all_families())
       for (const Values values : {Values::symmetric, Values::unsymmetric})
         add_all("hard", {{.family = family, .n = 100, .difficulty = difficulty, .values = values}});
+  for (const auto& names : {families::pose_graphs(), families::real_matrices()})
+    for (const std::string& name : names) add_all("real", {.spec = {}, .copies = 1, .real = name});
 }
 
 }  // namespace

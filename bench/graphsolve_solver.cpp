@@ -1,6 +1,7 @@
 #include "graphsolve_solver.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace bench {
 
@@ -8,22 +9,22 @@ using namespace graphsolve;
 
 namespace {
 
-/// Where each entry of the matrix lies in the value array.
+/// Where each entry of the matrix lies in the value array; row i of the matrix is row row_of[i] of the graph.
 std::vector<std::int64_t> places(const Eigen::SparseMatrix<double>& a, const BlockGraph& graph,
-                                 const Symbolic& symbolic) {
+                                 std::span<const int> row_of, const Symbolic& symbolic) {
   std::vector<int> node_of(graph.rows());
   for (int i = 0; i < graph.size(); ++i) std::fill_n(node_of.begin() + graph.row({i}), graph.dimension({i}), i);
   std::vector<std::int64_t> place;
   place.reserve(a.nonZeros());
   for (int j = 0; j < a.outerSize(); ++j) {
-    const NodeId column{node_of[j]};
+    const NodeId column{node_of[row_of[j]]};
     NodeId last;
     BlockHandle handle;
     for (Eigen::SparseMatrix<double>::InnerIterator entry(a, j); entry; ++entry) {
-      const NodeId row{node_of[entry.row()]};
+      const NodeId row{node_of[row_of[entry.row()]]};
       if (row != last) handle = symbolic.block(row, column);
       last = row;
-      place.push_back(handle.offset + (j - graph.row(column)) * handle.rows + entry.row() - graph.row(row));
+      place.push_back(handle.offset + (row_of[j] - graph.row(column)) * handle.rows + row_of[entry.row()] - graph.row(row));
     }
   }
   return place;
@@ -34,28 +35,44 @@ std::vector<std::int64_t> places(const Eigen::SparseMatrix<double>& a, const Blo
 baselines::Status GraphsolveSolver::analyze(const Eigen::SparseMatrix<double>& a) {
   pattern_ = &a;
   place_.clear();
+  const Ordering ordering = minimum_fill_ordering(graph_);
+  if (nodes_ == Nodes::merged) merged_ = merge_supernodes(graph_, ordering);
   factorization_ = std::make_unique<Factorization>(
-      std::make_shared<const Symbolic>(graph_, minimum_fill_ordering(graph_)));
+      nodes_ == Nodes::merged ? std::make_shared<const Symbolic>(merged_.graph, merged_.ordering)
+                              : std::make_shared<const Symbolic>(graph_, ordering), kind_);
+  right_.resize(graph_.rows());
+  x_.resize(graph_.rows());
   return {};
 }
 
 void GraphsolveSolver::write(std::span<const double> values) {
-  if (place_.empty()) place_ = places(*pattern_, graph_, factorization_->symbolic());
+  if (place_.empty()) {
+    std::vector<int> same(graph_.rows());
+    std::iota(same.begin(), same.end(), 0);
+    place_ = nodes_ == Nodes::merged ? places(*pattern_, merged_.graph, merged_.row_of, symbolic())
+                                     : places(*pattern_, graph_, same, symbolic());
+  }
   factorization_->set_zero();
   const std::span<double> to = factorization_->values();
   for (std::size_t k = 0; k < values.size(); ++k) to[place_[k]] = values[k];
 }
 
 baselines::Status GraphsolveSolver::refactor() {
-  const auto outcome = factorization_->factorize();
-  dropped_rows_ = outcome.dropped_rows;
-  if (outcome.ok()) return {};
-  return {false, "singular at " + std::string(graph_.name(symbolic().node(outcome.first_bad_pivot)))};
+  outcome_ = factorization_->factorize();
+  if (outcome_.ok()) return {};
+  const BlockGraph& graph = nodes_ == Nodes::merged ? merged_.graph : graph_;
+  return {false, "singular at " + std::string(graph.name(symbolic().node(outcome_.first_bad_pivot)))};
 }
 
 baselines::Status GraphsolveSolver::solve(std::span<const double> b, std::span<double> x) {
-  std::copy(b.begin(), b.end(), x.begin());
-  factorization_->solve(x);
+  if (nodes_ == Nodes::as_given) {
+    std::copy(b.begin(), b.end(), x.begin());
+    factorization_->solve(x);
+    return {};
+  }
+  for (std::size_t i = 0; i < b.size(); ++i) x_[merged_.row_of[i]] = b[i];
+  factorization_->solve(x_);
+  for (std::size_t i = 0; i < b.size(); ++i) x[i] = x_[merged_.row_of[i]];
   return {};
 }
 
@@ -65,7 +82,15 @@ void GraphsolveSolver::allow_refinement() {
 }
 
 Factorization::Refinement GraphsolveSolver::refine(std::span<const double> b, std::span<double> x) {
-  return factorization_->refine(b, x);
+  constexpr int sweeps = 10;
+  if (nodes_ == Nodes::as_given) return factorization_->refine(b, x, sweeps);
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    right_[merged_.row_of[i]] = b[i];
+    x_[merged_.row_of[i]] = x[i];
+  }
+  const auto refined = factorization_->refine(right_, x_, sweeps);
+  for (std::size_t i = 0; i < b.size(); ++i) x[i] = x_[merged_.row_of[i]];
+  return refined;
 }
 
 }  // namespace bench

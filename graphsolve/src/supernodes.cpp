@@ -1,0 +1,179 @@
+#include "graphsolve/supernodes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+
+namespace graphsolve {
+
+namespace {
+
+// Measured on 20 matrices of scalars and of blocks, AMD EPYC, GCC 12 [ns].
+constexpr double per_pivot = 12, per_pivot_row = 8, per_update = 2, fixed_size = 0.2, any_size = 0.35;
+
+/// Merging nothing comes first: it wins a draw.
+constexpr std::array<SupernodeSettings, 5> candidates{{{.largest = 1, .zeros = 0, .always_below = 1},
+                                                       {.largest = 2, .zeros = 0.2, .always_below = 1},
+                                                       {.largest = 4, .zeros = 0.1, .always_below = 2},
+                                                       {.largest = 4, .zeros = 0.2, .always_below = 1},
+                                                       {.largest = 6, .zeros = 0.1, .always_below = 1}}};
+
+/// Elimination tree in pivot numbers, and per pivot what stands under it in the factor.
+struct Tree {
+  std::vector<int> parent, rows_below, blocks_below;
+};
+
+Tree elimination_tree(const BlockGraph& graph, const Ordering& ordering, const std::vector<int>& position) {
+  const int n = graph.size();
+  Tree tree{std::vector<int>(n, -1), std::vector<int>(n, 0), std::vector<int>(n, 0)};
+  std::vector<int> seen(n, -1);
+  for (int k = 0; k < n; ++k) {  // row k of the factor: from each earlier neighbour up the tree
+    const NodeId node = ordering.sequence[k];
+    seen[k] = k;
+    for (const auto& edge : graph.edges(node))
+      for (int i = position[edge.to.index]; i < k && seen[i] != k; i = tree.parent[i]) {
+        seen[i] = k;
+        tree.rows_below[i] += graph.dimension(node);
+        ++tree.blocks_below[i];
+        if (tree.parent[i] < 0) tree.parent[i] = k;
+      }
+  }
+  return tree;
+}
+
+std::vector<int> positions(const BlockGraph& graph, const Ordering& ordering) {
+  std::vector<int> position(graph.size(), -1);
+  if (static_cast<int>(ordering.sequence.size()) != graph.size())
+    throw std::invalid_argument("ordering has " + std::to_string(ordering.sequence.size()) + " nodes, the graph " +
+                                std::to_string(graph.size()));
+  for (int k = 0; k < graph.size(); ++k) {
+    const int node = ordering.sequence[k].index;
+    if (node < 0 || node >= graph.size() || position[node] >= 0)
+      throw std::invalid_argument("ordering is not a permutation of the nodes");
+    position[node] = k;
+  }
+  return position;
+}
+
+/// Supernode of every pivot, named by its last pivot: the one nearest to the root.
+class Merging {
+ public:
+  Merging(const BlockGraph& graph, const Ordering& ordering, const Tree& tree, const SupernodeSettings& settings)
+      : settings_(settings), tree_(tree), top_(tree.parent.size()), rows_(top_.size()), zeros_(top_.size(), 0.0) {
+    std::iota(top_.begin(), top_.end(), 0);
+    for (std::size_t k = 0; k < top_.size(); ++k) rows_[k] = graph.dimension(ordering.sequence[k]);
+    merge(graph, ordering);
+    for (int& top : top_) top = find(top);
+  }
+  [[nodiscard]] const std::vector<int>& top() const { return top_; }
+
+ private:
+  int find(int k) {
+    while (top_[k] != k) k = top_[k] = top_[top_[k]];
+    return k;
+  }
+
+  /// The child with the longest columns first: it brings the fewest zeros.
+  void merge(const BlockGraph& graph, const Ordering& ordering) {
+    const int n = static_cast<int>(top_.size());
+    std::vector<int> order(n);
+    std::iota(order.begin(), order.end(), 0);
+    // Parents in ascending order, so that a parent knows its own size when it is merged further up.
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+      const int pa = tree_.parent[a] < 0 ? n : tree_.parent[a], pb = tree_.parent[b] < 0 ? n : tree_.parent[b];
+      return pa != pb ? pa < pb : tree_.rows_below[a] > tree_.rows_below[b];
+    });
+    for (const int c : order) {
+      const int p = tree_.parent[c];
+      if (p < 0) break;
+      if (graph.kind(ordering.sequence[c]) != graph.kind(ordering.sequence[p])) continue;
+      const double below = tree_.rows_below[p], rows = rows_[c] + rows_[p];
+      const double zeros = zeros_[c] + zeros_[p] + rows_[c] * (rows_[p] + below - tree_.rows_below[c]);
+      if (rows > settings_.largest) continue;
+      if (rows > settings_.always_below && zeros > settings_.zeros * rows * (rows + below)) continue;
+      top_[c] = p;
+      rows_[p] += rows_[c];
+      zeros_[p] = zeros;
+    }
+  }
+
+  const SupernodeSettings& settings_;
+  const Tree& tree_;
+  std::vector<int> top_, rows_;
+  std::vector<double> zeros_;  ///< scalars, per top
+};
+
+Supernodes build(const BlockGraph& graph, const Ordering& ordering, const std::vector<int>& position,
+                 const std::vector<int>& top) {
+  const int n = graph.size();
+  Supernodes result;
+  result.ordering.repairs = ordering.repairs;
+  result.ordering.forced = ordering.forced;
+  std::vector<std::vector<int>> members(n);  // per top, ascending pivots
+  for (int k = 0; k < n; ++k) members[top[k]].push_back(k);
+  result.node_of.resize(n);
+  result.row_of.resize(graph.rows());
+  for (int t = 0; t < n; ++t) {
+    if (members[t].empty()) continue;
+    int dimension = 0;
+    for (const int k : members[t]) dimension += graph.dimension(ordering.sequence[k]);
+    const NodeId last = ordering.sequence[t];
+    std::string name(graph.name(ordering.sequence[members[t].front()]));
+    if (members[t].size() > 1) name += " .. " + std::string(graph.name(last));
+    const NodeId merged = result.graph.add_node(std::move(name), dimension, graph.kind(last));
+    result.ordering.sequence.push_back(merged);
+    int row = result.graph.row(merged);
+    for (const int k : members[t]) {
+      const NodeId node = ordering.sequence[k];
+      result.node_of[node.index] = merged;
+      for (int i = 0; i < graph.dimension(node); ++i) result.row_of[graph.row(node) + i] = row++;
+    }
+  }
+  for (int a = 0; a < n; ++a)
+    for (const auto& edge : graph.edges({a})) {
+      const NodeId from = result.node_of[a], to = result.node_of[edge.to.index];
+      if (position[a] >= position[edge.to.index] || from == to) continue;
+      const bool alone = members[top[position[a]]].size() == 1 && members[top[position[edge.to.index]]].size() == 1;
+      result.graph.add_edge(from, to, alone ? edge.rank : EdgeRank::unknown);
+    }
+  return result;
+}
+
+}  // namespace
+
+Supernodes merge_supernodes(const BlockGraph& graph, const Ordering& ordering, const SupernodeSettings& settings) {
+  const std::vector<int> position = positions(graph, ordering);
+  const Tree tree = elimination_tree(graph, ordering, position);
+  return build(graph, ordering, position, Merging(graph, ordering, tree, settings).top());
+}
+
+Supernodes merge_supernodes(const BlockGraph& graph, const Ordering& ordering) {
+  const std::vector<int> position = positions(graph, ordering);
+  const Tree tree = elimination_tree(graph, ordering, position);
+  Supernodes best;
+  double least = 0;
+  for (const SupernodeSettings& settings : candidates) {
+    Supernodes merged = build(graph, ordering, position, Merging(graph, ordering, tree, settings).top());
+    const double time = predicted_time(merged.graph, merged.ordering);
+    if (best.node_of.empty() || time < least) {
+      best = std::move(merged);
+      least = time;
+    }
+  }
+  return best;
+}
+
+double predicted_time(const BlockGraph& graph, const Ordering& ordering) {
+  const Tree tree = elimination_tree(graph, ordering, positions(graph, ordering));
+  double time = 0;
+  for (int k = 0; k < graph.size(); ++k) {
+    const double d = graph.dimension(ordering.sequence[k]), rows = tree.rows_below[k], blocks = tree.blocks_below[k];
+    const double operations = d * d * d / 3 + d * d * rows + d * rows * rows;
+    time += per_pivot + per_pivot_row * d + per_update * blocks * blocks + (d <= 6 ? fixed_size : any_size) * operations;
+  }
+  return time;
+}
+
+}  // namespace graphsolve
