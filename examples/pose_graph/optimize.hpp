@@ -46,7 +46,7 @@ class Optimizer {
     for (const auto& e : graph.edges)
       if (e.from > 0 && e.to > 0) blocks.add_edge(node(e.from), node(e.to));
     symbolic_ = std::make_shared<const graphsolve::Symbolic>(blocks, graphsolve::minimum_fill_ordering(blocks));
-    factorization_ = std::make_unique<graphsolve::Factorization>(symbolic_);
+    factorization_ = std::make_unique<graphsolve::Factorization>(symbolic_, graphsolve::FactorizationKind::cholesky);
     for (const auto& e : graph.edges) {
       const auto offset = [&](int a, int b) {
         return a > 0 && b > 0 ? symbolic_->block(node(a), node(b)).offset : std::int64_t{-1};

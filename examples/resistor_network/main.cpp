@@ -10,10 +10,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "graphsolve/factorization.hpp"
+#include "graphsolve/diagnosis.hpp"
 
 using namespace graphsolve;
 
@@ -32,8 +33,10 @@ class Network {
     for (const auto& [a, b, ohm] : resistors_)
       if (a > 0 && b > 0) graph_.add_edge(node(a), node(b));
     symbolic_ = std::make_shared<const Symbolic>(graph_, minimum_fill_ordering(graph_));
-    factorization_.emplace_back(symbolic_);
-    Factorization& f = factorization_[0];
+    factorization_.emplace(symbolic_, FactorizationKind::cholesky);
+    Factorization& f = *factorization_;
+    f.allow_refinement();
+    f.keep_matrix(true);  // for the diagnosis
     for (const auto& [a, b, ohm] : resistors_) {
       if (a > 0) *f.block(symbolic_->block(node(a), node(a))) += 1 / ohm;
       if (b > 0) *f.block(symbolic_->block(node(b), node(b))) += 1 / ohm;
@@ -44,13 +47,13 @@ class Network {
     outcome_ = f.factorize();
   }
 
-  /// Names of the nodes whose potential the equations leave open; empty when all are determined.
-  [[nodiscard]] std::string floating_part() const {
-    if (outcome_.ok()) return "";
-    const int part = symbolic_->component(symbolic_->node(outcome_.first_bad_pivot));
-    std::string names;
-    for (int k = 0; k < graph_.size(); ++k)
-      if (symbolic_->component({k}) == part) names += (names.empty() ? "" : ", ") + std::string(graph_.name({k}));
+  /// Names of the nodes whose potentials the equations leave open: those of the null vector. Empty when there are none.
+  [[nodiscard]] std::vector<std::string> floating_part() const {
+    const Diagnosis diagnosis = diagnose(graph_, *factorization_, outcome_);
+    std::vector<std::string> names;
+    if (diagnosis.smallest_singular <= 1e-12 * diagnosis.largest_singular)
+      for (const Diagnosis::Share& share : diagnosis.near_null) names.push_back(share.node);
+    std::sort(names.begin(), names.end());
     return names;
   }
 
@@ -58,7 +61,7 @@ class Network {
     std::vector<double> v(symbolic_->rows(), 0.0);
     if (in > 0) v[in - 1] += 1;
     if (out > 0) v[out - 1] -= 1;
-    factorization_[0].solve(v);
+    factorization_->solve(v);
     v.insert(v.begin(), 0.0);
     std::vector<double> balance(v.size(), 0.0);
     balance[in] -= 1, balance[out] += 1;
@@ -76,7 +79,7 @@ class Network {
   std::vector<Resistor> resistors_;
   BlockGraph graph_;
   std::shared_ptr<const Symbolic> symbolic_;
-  std::vector<Factorization> factorization_;
+  std::optional<Factorization> factorization_;
   Factorization::Outcome outcome_;
 };
 
@@ -124,6 +127,8 @@ int main() {
   // Rungs and rails of 1 ohm, open end: F(2n+1) / F(2n) seen from a rail.
   compare("ladder of 6 rungs", l.resistance(7, 0), f[1] / f[0], l);
   compare("cube, corner to corner", c.resistance(0, 7), 5.0 / 6.0, c);
-  const Network floating(6, {{0, 1}, {1, 2}, {3, 4}, {4, 5}, {5, 3}});
-  std::printf("without a way to ground: %s\n", floating.floating_part().c_str());
+  const Network floating(6, {{0, 1}, {1, 2, 0.3}, {3, 4, 0.3}, {4, 5, 0.7}, {5, 3, 1.1}});
+  std::printf("without a way to ground:");
+  for (const std::string& name : floating.floating_part()) std::printf(" '%s'", name.c_str());
+  std::printf("\nopen potentials in the cube: %zu\n", c.floating_part().size());
 }
