@@ -155,9 +155,8 @@ Part run_shard(const Options& options, const RolloutRequest& request, const Shar
                         .on_result = {}};
   run.settings.tolerance = request.tolerance;
   run.on_result = [&](physics::CopyResult&& result) {
-    const std::string record = rollout_record(request, result);
-    if (file) file->add(record);
-    count(part.tally, record);
+    if (file) file->add(rollout_record(request, result));
+    part.tally.add({result.copy, result.steps, std::string(graphsolve::name(result.last.status)), result.place});
     part.steps_now += result.steps;
     ++due;
     progress.update(static_cast<int>(due - first));

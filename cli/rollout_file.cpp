@@ -68,7 +68,8 @@ long long read_records(Lines& lines, long long first, const std::string& path, T
     if (!lines.next(line)) return copy;
     if (!line.starts_with(fmt::format("{{\"copy\":{},", copy)))
       throw DescriptionError(fmt::format("{}:{}: is not the record of copy {}", path, copy - first + 2, copy));
-    count(tally, line);
+    const Json record = parse(line, fmt::format("{}:{}", path, copy - first + 2));
+    tally.add({copy, record.value("steps", 0), record.value("status", ""), record.value("place", "")});
   }
 }
 
@@ -129,15 +130,13 @@ std::string rollout_record(const RolloutRequest& request, const physics::CopyRes
   return json.dump();
 }
 
-void count(Tally& tally, const std::string& record) {
-  const Json json = parse(record, "a record");
-  const std::string status = json.value("status", "");
-  ++tally.copies;
-  tally.steps += json.value("steps", 0);
-  ++tally.statuses[status];
-  if (status != "solved" && tally.failures.size() < most_failures_named)
-    tally.failures.push_back(fmt::format("copy {}: step {} failed, {} at {}", json.value("copy", 0LL),
-                                         json.value("steps", 0) + 1, status, json.value("place", "")));
+void Tally::add(const Outcome& outcome) {
+  ++copies;
+  steps += outcome.steps;
+  ++statuses[outcome.status];
+  if (outcome.status != "solved" && failures.size() < most_failures_named)
+    failures.push_back(fmt::format("copy {}: step {} failed, {} at {}", outcome.copy, outcome.steps + 1, outcome.status,
+                                   outcome.place));
 }
 
 RolloutFile::RolloutFile(const std::string& path, const RolloutRequest& request, const Shard& shard)

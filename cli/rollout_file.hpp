@@ -32,10 +32,17 @@ struct RolloutRequest {
 
 /// What was counted in a file or a run.
 struct Tally {
+  struct Outcome {  ///< of one copy
+    long long copy;
+    int steps;
+    std::string status, place;
+  };
+  void add(const Outcome& outcome);
+  [[nodiscard]] long long failed() const;
+
   long long copies = 0, steps = 0;
   std::map<std::string, long long> statuses;  ///< of the last step of each copy
   std::vector<std::string> failures;          ///< sentences, the first few
-  [[nodiscard]] long long failed() const;
 };
 inline constexpr std::size_t most_failures_named = 10;
 
@@ -43,7 +50,6 @@ inline constexpr std::size_t most_failures_named = 10;
 std::string rollout_header(const RolloutRequest& request, const Shard& shard);
 /// A record's line without its end.
 std::string rollout_record(const RolloutRequest& request, const physics::CopyResult& result);
-void count(Tally& tally, const std::string& record);
 
 /// A file that is continued when it holds the beginning of the same rollout.
 class RolloutFile {
