@@ -43,13 +43,31 @@ void subtract_product(double* __restrict c, const double* __restrict a, const do
 template <int M, int K>
 void subtract_product_lower(double* __restrict c, const double* __restrict a, const double* __restrict b, int m_,
                             int k_) {
-  const int m = M ? M : m_, k = K ? K : k_;
-  for (int j = 0; j < m; ++j)
-    for (int p = 0; p < k; ++p) {
-      const double s = b[j * k + p];
-      for (int i = j; i < m; ++i) c[j * m + i] -= a[p * m + i] * s;
+  if constexpr (M > 0 && K > 0) {
+#pragma GCC unroll 6
+    for (int j = 0; j < M; ++j) {
+      double column[M];
+#pragma GCC unroll 6
+      for (int i = j; i < M; ++i) column[i] = c[j * M + i];
+      for (int p = 0; p < K; ++p)
+#pragma GCC unroll 6
+        for (int i = j; i < M; ++i) column[i] -= a[p * M + i] * b[j * K + p];
+#pragma GCC unroll 6
+      for (int i = j; i < M; ++i) c[j * M + i] = column[i];
     }
+  } else {
+    const int m = m_, k = k_;
+    for (int j = 0; j < m; ++j)
+      for (int p = 0; p < k; ++p) {
+        const double s = b[j * k + p];
+        for (int i = j; i < m; ++i) c[j * m + i] -= a[p * m + i] * s;
+      }
+  }
 }
+
+/// The diagonal entry is taken when it is at least this part of the largest: definite blocks then need no exchanges,
+/// whose branches cost more than the arithmetic. Entries grow at most by 1 + 1 / this per stage.
+inline constexpr double diagonal_preferred = 0.1;
 
 /// LU with row exchanges in place: L unit below the diagonal, reciprocals of the pivots on it. `rows[p]` is
 /// the row that took place p. Returns the smallest pivot magnitude; 0 or NaN means not usable.
@@ -67,9 +85,11 @@ double factor(double* a, int* rows, int d_) {
         best = i;
       }
     }
+    if (std::abs(a[p * d + p]) >= diagonal_preferred * largest) best = p;
     rows[p] = best;
     if (!(largest > 0) || !(largest < INFINITY)) return largest > 0 ? NAN : largest;
-    smallest = largest < smallest ? largest : smallest;
+    const double size = std::abs(a[p * d + best]);
+    smallest = size < smallest ? size : smallest;
     if (best != p)
       for (int j = 0; j < d; ++j) std::swap(a[j * d + p], a[j * d + best]);
     const double reciprocal = 1.0 / a[p * d + p];
@@ -93,16 +113,22 @@ bool factor_definite(double* a, const double* reference, double sign, double tin
     double t[D][D], l[D][D];
     for (int p = 0; p < D; ++p)
       for (int i = p; i < D; ++i) t[p][i] = a[p * D + i];
+#pragma GCC unroll 6
     for (int p = 0; p < D; ++p) {
       const double size = sign * t[p][p];
       if (!(size > tiny * reference[p]) || !(size < INFINITY)) return false;
       t[p][p] = 1.0 / t[p][p];
+#pragma GCC unroll 6
       for (int i = p + 1; i < D; ++i) l[p][i] = t[p][i] * t[p][p];
+#pragma GCC unroll 6
       for (int j = p + 1; j < D; ++j)
+#pragma GCC unroll 6
         for (int i = j; i < D; ++i) t[j][i] -= t[p][i] * l[p][j];
     }
+#pragma GCC unroll 6
     for (int p = 0; p < D; ++p) {
       a[p * D + p] = t[p][p];
+#pragma GCC unroll 6
       for (int i = p + 1; i < D; ++i) {
         a[p * D + i] = l[p][i];
         a[i * D + p] = t[p][i];
@@ -139,11 +165,15 @@ void solve_columns(const double* a, const int* rows, double* x, std::ptrdiff_t s
     for (int p = 0; p < D; ++p)
       if (rows[p] != p)
         for (int c = 0; c < C; ++c) std::swap(t[p][c], t[rows[p]][c]);
+#pragma GCC unroll 6
   for (int p = 0; p < D; ++p)
+#pragma GCC unroll 6
     for (int i = p + 1; i < D; ++i)
       for (int c = 0; c < C; ++c) t[i][c] -= a[p * D + i] * t[p][c];
+#pragma GCC unroll 6
   for (int p = D - 1; p >= 0; --p) {
     for (int c = 0; c < C; ++c) t[p][c] *= a[p * D + p];
+#pragma GCC unroll 6
     for (int i = 0; i < p; ++i)
       for (int c = 0; c < C; ++c) t[i][c] -= a[p * D + i] * t[p][c];
   }
@@ -162,6 +192,8 @@ void solve_block(const double* a, const int* rows, double* x, int d_, int n, std
       n -= 2;
       x += 2 * stride;
     }
+    if (n > 0) solve_columns<D, 1>(a, rows, x, stride);
+    return;
   }
   for (int c = 0; c < n; ++c, x += stride) {
     for (int p = 0; p < d; ++p)
