@@ -33,7 +33,7 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   row_scale_.assign(problem_.row_scale().begin(), problem_.row_scale().end());
   for (auto* v : {&error_, &previous_error_, &product_, &mu_, &mu_floor_, &alpha_, &ratio_, &sum_, &correction_, &scale_,
                   &tolerance_, &change_, &good_error_, &last_alpha_, &port_error_, &start_error_,
-                  &start_residual_})
+                  &start_residual_, &largest_ratio_})
     v->assign(components, 0.0);
   for (auto* v : {&degree_, &attempt_iterations_, &short_steps_, &halvings_, &freezes_}) v->assign(components, 0);
   trouble_.assign(components, Status::solved);
@@ -244,9 +244,7 @@ void InteriorPoint::refreeze(int c) {
 
 const Factorization& InteriorPoint::factorize_terms(std::span<const double> x) {
   std::copy(x.begin(), x.end(), x_.begin());
-  running_.resize(reports_.size());
-  std::iota(running_.begin(), running_.end(), 0);
-  set_running();
+  run_all();
   factorization_.set_zero();
   const auto terms = problem_.terms();
   double* values = factorization_.values().data();

@@ -8,6 +8,9 @@
 
 namespace physics {
 
+struct Sensitivity;
+struct StepStart;
+
 /// A body's configuration, and how its rotation answers to the velocity: d theta = dt turn dw.
 struct Pose {
   Vec3 x = Vec3::Zero();
@@ -62,6 +65,8 @@ class Bodies final : public graphsolve::Term {
                 double* values) override;
   void bound_step(graphsolve::Instances instances, std::span<const double> x, std::span<const double> dx,
                   std::span<double> alpha) const override;
+  /// At the solution x of a step: derivatives of the residual by what the step was given.
+  void differentiate(std::span<const double> x, const StepStart& start, Sensitivity& out) const;
 
  private:
   std::vector<graphsolve::NodeId> node_;

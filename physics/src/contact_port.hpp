@@ -7,6 +7,14 @@
 
 namespace physics {
 
+/// A law at the solution of a step, as its port needs it for derivatives by the state before.
+template <int Rows>
+struct ContactResponse {
+  double rate[Rows], force[Rows];  ///< u, f
+  double stiffness[Rows * Rows];   ///< K = -df/du, column-major
+  double slip_speed = 0;           ///< before the step, where t1 follows the slip; 0: t1 is constant
+};
+
 /// A contact point of one body against a plane, `rows` = 1 (normal) or 3 (normal, t1, t2):
 ///   u_n = phi(z_{k+2}) / dt,  phi = n . (x + R p - o) - radius            (eq. 14, 24f)
 ///   u_t = t . (v' + R1 (w' x p')),  p' the contact point at z_{k+1}       (eq. 24c)
@@ -66,6 +74,15 @@ class ContactPort {
       u[1] = tangent_[0].dot(v) + lever_[1].dot(w);
       u[2] = tangent_[1].dot(v) + lever_[2].dot(w);
     }
+  }
+  /// At the solution x of a step: adds the derivatives of -J1^T f by what the step was given, after those of the bodies.
+  void differentiate(std::span<const double> x, const ContactResponse<Rows>& response, const StepStart& start,
+                     Sensitivity& out) const;
+  /// J1^T (0, f1, f2)
+  [[nodiscard]] Eigen::Matrix<double, 6, 1> friction_wrench(const double* f) const {
+    Eigen::Matrix<double, 6, 1> wrench;
+    wrench << tangent_[0] * f[0] + tangent_[1] * f[1], lever_[1] * f[0] + lever_[2] * f[1];
+    return wrench;
   }
   void add_force(const double* f, double* residual, double sign) const {
     Vec3 force = normal_ * (sign * f[0]), torque = lever_[0] * (sign * f[0]);

@@ -15,32 +15,6 @@ constexpr double broken_through = -1e-10;  ///< [m] a culled contact below this 
 
 }  // namespace
 
-template <class F>
-auto Contacts::visit(const Entry& entry, F&& f) {
-  switch (entry.batch) {
-    case Batch::four: return f(four_.port(entry.index), four_.law(entry.index));
-    case Batch::any: return f(any_.port(entry.index), any_.law(entry.index));
-    case Batch::none: break;
-  }
-  return f(none_.port(entry.index), none_.law(entry.index));
-}
-
-template <class F>
-auto Contacts::visit(const Entry& entry, F&& f) const {
-  return const_cast<Contacts*>(this)->visit(
-      entry, [&](const auto& port, const auto& law) { return f(port, law); });
-}
-
-template <class F>
-void Contacts::each_entry(int lane, F&& f) {
-  for (int i = 0; i < per_lane_; ++i) f(contacts_[side_by_side_.index(lane, i, per_lane_)]);
-}
-
-template <class F>
-void Contacts::each_entry(int lane, F&& f) const {
-  for (int i = 0; i < per_lane_; ++i) f(contacts_[side_by_side_.index(lane, i, per_lane_)]);
-}
-
 Contacts::Contacts(Bodies& bodies, const Interleaving& side_by_side, const Mechanism& mechanism,
                    const Assembly& assembly)
     : bodies_(bodies), side_by_side_(side_by_side) {
@@ -116,6 +90,8 @@ Contacts::Reach Contacts::prepare(int lane, std::span<const double> velocity, co
   const double fall = 2 * step.gravity.norm() * step.dt;
   each_entry(lane, [&](Entry& entry) {
     entry.loaded = entry.active;
+    entry.turned = false;
+    entry.slip_speed = 0;
     visit(entry, [&](auto& port, auto& law) {
       const int row = bodies_.row[port.body()];
       const Pose& pose = bodies_.now[port.body()];
@@ -138,7 +114,8 @@ void Contacts::prepare_entry(Entry& entry, PortType& port, Law& law, std::span<c
   if constexpr (PortType::rows == 3) {
     if (!entry.loaded) law.clear();
     // A contact without a history is expected to slip the way gravity pulls.
-    if (entry.aligned) align(port, law, velocity, entry.loaded ? Vec3(Vec3::Zero()) : Vec3(step.dt * step.gravity));
+    if (entry.aligned)
+      align(entry, port, law, velocity, entry.loaded ? Vec3(Vec3::Zero()) : Vec3(step.dt * step.gravity));
     if (step.force_factor != 1) law.scale_impulses(step.force_factor);
   } else {
     law.set_force(entry.loaded ? law.force() * step.force_factor : 0);
@@ -148,7 +125,7 @@ void Contacts::prepare_entry(Entry& entry, PortType& port, Law& law, std::span<c
 
 /// Turns t1 against the slip, so that sliding friction lies along one facet.
 template <class PortType, class Law>
-void Contacts::align(PortType& port, Law& law, std::span<const double> velocity, const Vec3& pull) {
+void Contacts::align(Entry& entry, PortType& port, Law& law, std::span<const double> velocity, const Vec3& pull) {
   const int row = bodies_.row[port.body()];
   const Pose& pose = bodies_.now[port.body()];
   const Eigen::Map<const Vec3> v(velocity.data() + row), w(velocity.data() + row + 3);
@@ -161,6 +138,7 @@ void Contacts::align(PortType& port, Law& law, std::span<const double> velocity,
   if (speed > slipping) {
     t[0] = -u1 / speed;
     t[1] = -u2 / speed;
+    entry.slip_speed = speed;
   } else if (force > 0.5 * law.friction_bound() && force > 0) {
     t[0] = f[0] / force;  // stuck, and near enough to the bound for the corners of the pyramid to matter
     t[1] = f[1] / force;
@@ -171,6 +149,7 @@ void Contacts::align(PortType& port, Law& law, std::span<const double> velocity,
   const Vec3 tangent = (t[0] * port.tangent1() + t[1] * port.tangent2()).normalized();
   const double rotated[2] = {t[0] * f[0] + t[1] * f[1], -t[1] * f[0] + t[0] * f[1]};
   port.set_tangent(tangent);
+  entry.turned = entry.slip_speed > 0;
   law.split_friction(rotated);
 }
 

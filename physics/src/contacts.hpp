@@ -48,6 +48,11 @@ class Contacts {
   /// Tells the solver which contacts exist. After prepare and put_back.
   void activate(graphsolve::InteriorPoint& solver);
 
+  /// At the solution x of a step: derivatives of the residual by what the step was given, after those of the bodies.
+  /// basis_follows: friction bases that were kept count as turned; stiffness: bound on z/s over the island's mass.
+  void differentiate(int lane, std::span<const double> x, const StepStart& start, bool basis_follows, double stiffness,
+                     Sensitivity& out);
+
   [[nodiscard]] double smallest_distance(int lane) const;  ///< at `now`
   void write_record(int lane, std::span<ContactRecord> records, double impulse_time) const;
   /// After the state was set from outside: no contact remembers a force.
@@ -64,6 +69,8 @@ class Contacts {
     bool aligned;
     bool active = false;
     bool loaded = false;  ///< its law remembers forces of the step before
+    bool turned = false;  ///< its basis turned to the slip before this step
+    double slip_speed = 0;  ///< then, and before steps whose slip kept the basis [m/s]; 0: it does not follow the slip
   };
   template <class F>
   auto visit(const Entry& entry, F&& f);
@@ -77,7 +84,7 @@ class Contacts {
   template <class PortType, class Law>
   void prepare_entry(Entry& entry, PortType& port, Law& law, std::span<const double> velocity, const Step& step);
   template <class PortType, class Law>
-  void align(PortType& port, Law& law, std::span<const double> velocity, const Vec3& pull);
+  void align(Entry& entry, PortType& port, Law& law, std::span<const double> velocity, const Vec3& pull);
 
   Bodies& bodies_;
   Interleaving side_by_side_;
@@ -92,5 +99,31 @@ class Contacts {
   int batch_number_[3] = {-1, -1, -1};
   std::vector<double> facet_impulses_;  ///< scratch of load_record
 };
+
+template <class F>
+auto Contacts::visit(const Entry& entry, F&& f) {
+  switch (entry.batch) {
+    case Batch::four: return f(four_.port(entry.index), four_.law(entry.index));
+    case Batch::any: return f(any_.port(entry.index), any_.law(entry.index));
+    case Batch::none: break;
+  }
+  return f(none_.port(entry.index), none_.law(entry.index));
+}
+
+template <class F>
+auto Contacts::visit(const Entry& entry, F&& f) const {
+  return const_cast<Contacts*>(this)->visit(
+      entry, [&](const auto& port, const auto& law) { return f(port, law); });
+}
+
+template <class F>
+void Contacts::each_entry(int lane, F&& f) {
+  for (int i = 0; i < per_lane_; ++i) f(contacts_[side_by_side_.index(lane, i, per_lane_)]);
+}
+
+template <class F>
+void Contacts::each_entry(int lane, F&& f) const {
+  for (int i = 0; i < per_lane_; ++i) f(contacts_[side_by_side_.index(lane, i, per_lane_)]);
+}
 
 }  // namespace physics

@@ -7,14 +7,13 @@
 
 namespace physics {
 
-namespace {
-
-/// q_a^-1 q_b q_off^-1, on the half of the double cover that holds the identity.
 Quat relative_rotation(const JointGeometry& g, const Pose& a, const Pose& b) {
   Quat e = a.q.conjugate() * b.q * g.orientation.conjugate();
   if (e.w() < 0) e.coeffs() = -e.coeffs();
   return e;
 }
+
+namespace {
 
 /// Two unit vectors that complete `axis` to a right-handed frame, as rows; the axis is the third row.
 Mat3 frame_about(const Vec3& axis) {
@@ -150,7 +149,7 @@ double Joints::coordinate(const Joint& joint, const Pose& a, const Pose& b) cons
   return 2 * std::atan2(g.axis.dot(e.vec()), e.w());
 }
 
-double Joints::motor_residual(Joint& joint, double lambda, double& diagonal, bool& limited) {
+double Joints::motor_residual(Joint& joint, double lambda, double& diagonal) {
   const JointGeometry& g = joint.geometry;
   const Motor& motor = *joint.motor;
   const double dt = bodies_.dt;
@@ -159,8 +158,8 @@ double Joints::motor_residual(Joint& joint, double lambda, double& diagonal, boo
   if (g.type == JointType::revolute) change = std::remainder(change, 2 * std::numbers::pi);  // follow full turns
   joint.next_coordinate = joint.coordinate + change;
   const double wanted = motor.stiffness * (joint.target - joint.next_coordinate) - motor.damping * change / dt;
-  limited = !(std::abs(wanted) < motor.limit);
-  const double effort = limited ? std::copysign(motor.limit, wanted) : wanted;
+  joint.limited = !(std::abs(wanted) < motor.limit);
+  const double effort = joint.limited ? std::copysign(motor.limit, wanted) : wanted;
   diagonal = 1 / (joint.impulse_time * (motor.stiffness * dt + motor.damping));
   return (lambda - joint.impulse_time * effort) * diagonal;
 }
@@ -248,8 +247,7 @@ void Joints::evaluate_one(Joint& joint, std::span<const double> x, std::span<dou
   const double rate = 1 / bodies_.dt;
   for (int i = 0; i < joint.translation_rows + joint.rotation_rows; ++i) residual[joint.row + i] += g[i] * rate;
   double diagonal = 0;
-  bool limited = false;
-  if (joint.motor) residual[joint.row + 5] += motor_residual(joint, x[joint.row + 5], diagonal, limited);
+  if (joint.motor) residual[joint.row + 5] += motor_residual(joint, x[joint.row + 5], diagonal);
   const double* lambda = x.data() + joint.row;
   if (joint.child_row >= 0) push<N>(residual.data() + joint.child_row, joint.child_force, lambda);
   if (joint.parent_row >= 0) push<N>(residual.data() + joint.parent_row, joint.parent_force, lambda);
@@ -259,7 +257,7 @@ void Joints::evaluate_one(Joint& joint, std::span<const double> x, std::span<dou
   if (bodies_.force_at_next) add_direction_derivative(joint, Eigen::Map<const Vec3>(lambda), values);
   if (joint.motor) {
     values[joint.own.offset + 5 * 6 + 5] += diagonal;
-    if (limited) {  // the effort no longer answers to the velocity
+    if (joint.limited) {  // the effort no longer answers to the velocity
       parent.row(5).setZero();
       child.row(5).setZero();
     }

@@ -7,6 +7,11 @@
 
 namespace physics {
 
+struct Sensitivity;
+
+/// q_a^-1 q_b q_off^-1, on the half of the double cover that holds the identity.
+Quat relative_rotation(const JointGeometry& g, const Pose& a, const Pose& b);
+
 /// Joints of all types, one saddle node each, made of parts:
 ///   translation rows  T R_a^T d,  d = x_b + R_b p_b - x_a - R_a p_a   (spherical, revolute: d itself)
 ///   rotation rows     locked components of 2 vec(q_a^-1 q_b q_off^-1)
@@ -33,6 +38,8 @@ class Joints final : public graphsolve::Term {
   /// Keeps the motor's coordinate, or goes back to what was kept.
   void save(int i) { joints_[i].saved_coordinate = joints_[i].coordinate; }
   void restore(int i) { joints_[i].coordinate = joints_[i].saved_coordinate; }
+  /// Exchanges the motor's coordinate with what was kept.
+  void exchange_coordinate(int i) { std::swap(joints_[i].coordinate, joints_[i].saved_coordinate); }
   /// Sets the motor's coordinate from the poses `now`.
   void reset_coordinate(int i);
 
@@ -44,6 +51,9 @@ class Joints final : public graphsolve::Term {
   void wire(const graphsolve::Wiring& wiring) override;
   void evaluate(graphsolve::Instances instances, std::span<const double> x, std::span<double> residual,
                 double* values) override;
+
+  /// At the solution x of a step: derivatives of the residual by what the step was given, after those of the bodies.
+  void differentiate(std::span<const double> x, Sensitivity& out) const;
 
   [[nodiscard]] const JointGeometry& geometry(int i) const { return joints_[i].geometry; }
   [[nodiscard]] int row(int i) const { return joints_[i].row; }
@@ -72,6 +82,7 @@ class Joints final : public graphsolve::Term {
     Matrix6 parent_force, child_force;  ///< force directions, rows x 6
     double coordinate = 0;              ///< of the motor at `now`
     double next_coordinate = 0, saved_coordinate = 0;
+    bool limited = false;  ///< the effort at the last point evaluated is at its limit
     double target = 0;
     double impulse_time = 0;  ///< impulse over force in this step [s]
     // Where the recorded body stood when the force acted on it: the child, or the parent of a child in the world.
@@ -85,9 +96,14 @@ class Joints final : public graphsolve::Term {
   /// Residual of the motor row; fills its diagonal entry and tells whether the effort is at its limit.
   template <int N>
   void evaluate_one(Joint& joint, std::span<const double> x, std::span<double> residual, double* values);
+  struct DirectionDerivative;
+  void differentiate_translation(const Joint& joint, std::span<const double> lambda, DirectionDerivative& d) const;
+  void differentiate_rotation(const Joint& joint, std::span<const double> lambda, DirectionDerivative& d) const;
+  void differentiate_rows(const Joint& joint, Sensitivity& out) const;
+  void differentiate_effort(const Joint& joint, Sensitivity& out) const;
   void set_directions(Joint& joint, Pose parent, Pose child);
   void add_direction_derivative(const Joint& joint, const Vec3& impulse, double* values) const;
-  double motor_residual(Joint& joint, double lambda, double& diagonal, bool& limited);
+  double motor_residual(Joint& joint, double lambda, double& diagonal);
 
   Bodies& bodies_;
   std::vector<Joint> joints_;

@@ -182,6 +182,17 @@ class PyramidLaw {
     k[8] = k22;
   }
 
+  /// Of the friction impulse (rows t1, t2) by the coefficient, u held: gamma sum w_i d_i / S. After condense.
+  void friction_derivative(double* df) const {
+    df[0] = df[1] = 0;
+    for (int i = 0; i < facets(); ++i) {
+      df[0] += ratio_[i] * direction(i)[0];
+      df[1] += ratio_[i] * direction(i)[1];
+    }
+    df[0] *= normal_.z * one_over_sum_;
+    df[1] *= normal_.z * one_over_sum_;
+  }
+
   void right_hand_side(double mu, double correction, double* f0) {
     normal_defect_ = normal_.defect(mu, correction);
     bound_defect_ = bound_.defect(mu, correction);

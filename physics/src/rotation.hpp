@@ -37,6 +37,12 @@ inline Mat3 momentum_plus_derivative(const Mat3& inertia, const Vec3& w, double 
   return 0.5 * dt * (s * inertia - jw * (w / s).transpose() + skew(w) * inertia - skew(jw));
 }
 
+/// dp-/dw = (dt/2) (s J - (J w) w^T / s - [w]x J + [J w]x)
+inline Mat3 momentum_minus_derivative(const Mat3& inertia, const Vec3& w, double s, double dt) {
+  const Vec3 jw = inertia * w;
+  return 0.5 * dt * (s * inertia - jw * (w / s).transpose() - skew(w) * inertia + skew(jw));
+}
+
 /// D(w) = (dt/2) (s I + w w^T / s - [w]x): rotation increment at the end of the step, body frame, is dt D dw.
 inline Mat3 rotation_derivative(const Vec3& w, double s, double dt) {
   return 0.5 * dt * (s * Mat3::Identity() + w * (w / s).transpose() - skew(w));

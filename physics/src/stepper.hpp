@@ -10,6 +10,7 @@
 #include "graphsolve/interior_point.hpp"
 #include "interleaving.hpp"
 #include "joints.hpp"
+#include "physics/gradients.hpp"
 #include "physics/simulator.hpp"
 
 namespace physics {
@@ -107,6 +108,7 @@ struct Stepper {
   ProblemSize size;
 
  private:
+  friend class StepGradient;
   void describe(int lane, Mechanism scene);
   void build();
   void make_solver();

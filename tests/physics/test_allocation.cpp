@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "physics/batch_simulator.hpp"
+#include "physics/gradients.hpp"
 #include "physics/scenes.hpp"
 #include "physics/simulator.hpp"
 
@@ -242,6 +243,28 @@ TEST_F(Allocation, NeverHappensInWritingARecordAgain) {
   const Counting counting;
   simulator.write_record(record);
   EXPECT_EQ(Counting::so_far(), 0);
+}
+
+TEST_F(Allocation, NeverHappensInDerivativesOfAStep) {
+  for (const char* spec : {"quadruped", "tumbling_box", "four_bar"}) {
+    Simulator simulator(built_in_scene(spec));
+    StepGradient sharp(simulator), smooth(simulator, {.smoothing = 1e-5});
+    std::vector<double> adjoint(sharp.state_size(), 1.0), gradient(sharp.gradient_size()),
+        by_state(sharp.state_size() * sharp.columns(StepInput::state)),
+        by_effort(sharp.state_size() * sharp.columns(StepInput::effort));
+    long counted = 0;
+    for (int k = 0; k < 40; ++k) {
+      ASSERT_TRUE(simulator.step().ok());
+      const Counting counting;
+      const bool ready = smooth.evaluate() == GradientStatus::ready && sharp.evaluate() == GradientStatus::ready;
+      ASSERT_TRUE(ready) << spec << ", step " << k;
+      sharp.vector_jacobian(adjoint, gradient);
+      sharp.jacobian(StepInput::state, by_state);
+      sharp.jacobian(StepInput::effort, by_effort);
+      counted += Counting::so_far();
+    }
+    EXPECT_EQ(counted, 0) << spec;
+  }
 }
 
 }  // namespace

@@ -61,6 +61,16 @@ class InteriorPoint {
   void set_profile(Profile* profile) { profile_ = profile; }
   void set_tolerance(double tolerance) { settings_.tolerance = tolerance; }
 
+  /// Derivative of a solution: brings x and the laws, as a solve left them, to the central path of
+  /// s z = smoothing * scale (scale: largest of the component's active pairs), and factors the matrix there into
+  /// `target`, which shares this Symbolic. A smoothing not above settings.largest_product is that of the solution
+  /// itself: nothing moves. stiffness: bound on z/s over scale in the matrix; 1 over it is the relative error of the
+  /// derivative, and rounding costs 2e-16 of it. Of all components, whatever was selected.
+  /// The laws keep the private unknowns of that point until restore_laws(). Allocates nothing.
+  Status linearize(std::span<double> x, double smoothing, double stiffness, Factorization& target);
+  /// After linearize: private unknowns of the laws as the solve left them.
+  void restore_laws();
+
   /// Matrix at x as factored by the last iteration is gone after a solve; this evaluates and factors all smooth
   /// terms at x anew, without ports (used to find dependent rows).
   const Factorization& factorize_terms(std::span<const double> x);
@@ -77,6 +87,7 @@ class InteriorPoint {
   void make_lists(Lists& lists, std::span<const int> component_of_instance);
   void sort_by_component(Lists& lists, std::span<const int> instances);
   void set_running();
+  void run_all();
   [[nodiscard]] static Instances of_component(const Lists& lists, int component) {
     return {std::span(lists.all).subspan(lists.begin[component], lists.begin[component + 1] - lists.begin[component]),
             lists.component};
@@ -108,6 +119,8 @@ class InteriorPoint {
   void take_step();
   void right_hand_side();
   void solve_linear();
+  void evaluate_terms_into(Factorization& target);
+  [[nodiscard]] bool centre(const Factorization& matrix);
 
   Problem& problem_;
   InteriorPointSettings settings_;
@@ -119,7 +132,7 @@ class InteriorPoint {
   std::vector<ComponentReport> reports_;
   std::vector<double> error_, previous_error_, product_, mu_, mu_floor_, alpha_, ratio_, sum_, correction_, scale_,
       tolerance_, change_, good_error_, last_alpha_, port_error_, start_error_,
-      start_residual_;
+      start_residual_, largest_ratio_;
   std::vector<int> degree_, attempt_iterations_, short_steps_, halvings_, freezes_;
   std::vector<Status> trouble_;  ///< why the present attempt has to end; solved: it need not
   std::vector<Phase> phase_;

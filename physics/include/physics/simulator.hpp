@@ -102,6 +102,7 @@ class Simulator {
   [[nodiscard]] std::vector<std::string> redundancies() const;
 
  private:
+  friend class StepGradient;
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

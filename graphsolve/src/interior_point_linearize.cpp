@@ -1,0 +1,104 @@
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "graphsolve/interior_point.hpp"
+
+/// The derivative of a solution: the matrix of one Newton step on the central path of a given barrier.
+namespace graphsolve {
+
+namespace {
+
+constexpr int most_centrings = 50;
+constexpr double last_move = 1e-8;     ///< a full Newton step this small leaves rounding errors only
+constexpr double off_path = 1e-6;      ///< of the mean product from its barrier, relative
+
+}  // namespace
+
+void InteriorPoint::run_all() {
+  running_.resize(reports_.size());
+  std::iota(running_.begin(), running_.end(), 0);
+  set_running();
+}
+
+Status InteriorPoint::linearize(std::span<double> x, double smoothing, double stiffness, Factorization& target) {
+  std::copy(x.begin(), x.end(), x_.begin());
+  run_all();
+  const auto ports = problem_.ports();
+  for (const int c : running_) scale_[c] = 0, degree_[c] = 0;
+  for (std::size_t b = 0; b < ports.size(); ++b) {
+    ports[b]->remember(running(port_lists_[b]), 1.0);
+    for (const int i : port_lists_[b].running) {
+      const int c = port_lists_[b].component[i];
+      scale_[c] = std::max(scale_[c], ports[b]->scale(i));
+      degree_[c] += ports[b]->degree(i);
+    }
+  }
+  for (const int c : running_) {
+    mu_[c] = smoothing * scale_[c];
+    correction_[c] = 0;
+    largest_ratio_[c] = stiffness * scale_[c];
+  }
+  const bool moves = smoothing > settings_.largest_product &&
+                     std::any_of(running_.begin(), running_.end(), [&](int c) { return degree_[c] > 0; });
+  if (moves) {
+    evaluate_terms_into(target);  // ports may read what terms compute from x
+    for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->start_warm(running(port_lists_[b]), x_, mu_, scale_);
+  }
+  bool arrived = !moves;
+  for (int k = 0;; ++k) {
+    evaluate_terms_into(target);
+    for (std::size_t b = 0; b < ports.size(); ++b) {
+      ports[b]->evaluate(running(port_lists_[b]), x_, residual_);
+      ports[b]->condense(running(port_lists_[b]), largest_ratio_, target.values().data());
+    }
+    if (!target.factorize().ok()) return Status::singular;
+    if (arrived) break;
+    if (k == most_centrings) return Status::max_iterations;
+    arrived = centre(target);
+  }
+  std::copy(x_.begin(), x_.end(), x.begin());
+  return Status::solved;
+}
+
+void InteriorPoint::evaluate_terms_into(Factorization& target) {
+  target.set_zero();
+  std::fill(residual_.begin(), residual_.end(), 0.0);
+  const auto terms = problem_.terms();
+  for (std::size_t b = 0; b < terms.size(); ++b)
+    terms[b]->evaluate(running(term_lists_[b]), x_, residual_, target.values().data());
+}
+
+/// One Newton step at a fixed barrier. True when it was the last that is needed.
+bool InteriorPoint::centre(const Factorization& matrix) {
+  const auto ports = problem_.ports();
+  right_hand_side();
+  matrix.solve(dx_);
+  for (const int c : running_) ratio_[c] = sum_[c] = 0;
+  for (std::size_t b = 0; b < ports.size(); ++b) {
+    ports[b]->recover(running(port_lists_[b]), dx_);
+    ports[b]->boundary_ratio(running(port_lists_[b]), ratio_);
+  }
+  for (const int c : running_) error_[c] = 1;  // the closer to zero, the closer take_step goes to the boundary
+  take_step();
+  std::fill(change_.begin(), change_.end(), 0.0);  // products where the step has led to
+  for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->complementarity(running(port_lists_[b]), change_, sum_);
+  bool last = true;
+  for (const int c : running_) {
+    double size = 1, move = 0;
+    each_row(c, [&](int i) {
+      size = std::max(size, std::abs(x_[i]));
+      if (!(std::abs(dx_[i]) <= move)) move = std::abs(dx_[i]);  // a NaN must stay
+    });
+    const double wanted = degree_[c] * mu_[c];
+    if (!(alpha_[c] == 1.0 && move <= last_move * size && std::abs(sum_[c] - wanted) <= off_path * wanted)) last = false;
+  }
+  return last;
+}
+
+void InteriorPoint::restore_laws() {
+  const auto ports = problem_.ports();
+  for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->restore(running(port_lists_[b]));
+}
+
+}  // namespace graphsolve
