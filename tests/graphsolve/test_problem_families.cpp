@@ -58,6 +58,18 @@ TEST(ProblemFamilies, RedundantRowsMakeTheMatrixSingularAndTheOthersAreRegular) 
   }
 }
 
+TEST(ProblemFamilies, TheDefaultOrderingKeepsTheBarsOfFill) {
+  const auto fill = [](Family family, int n) {
+    const Problem problem = make_problem({.family = family, .n = n});
+    return fill_factor(graphsolve::Symbolic(problem.graph, graphsolve::minimum_fill_ordering(problem.graph)));
+  };
+  for (const Family family : {Family::chain, Family::tree, Family::quadruped}) EXPECT_EQ(fill(family, 1000), 1.0);
+  EXPECT_EQ(fill(Family::control, 100), 1.0);
+  EXPECT_LE(fill(Family::loop, 1000), 1.30);
+  EXPECT_LE(fill(Family::ladder, 1000), 1.45);
+  EXPECT_LE(fill(Family::grid, 1000), 3.5);
+}
+
 TEST(ProblemFamilies, RepeatedSystemsAreDisjointAndEqual) {
   const Problem one = make_problem({.family = Family::ladder, .n = 8}), eight = repeated(one, 8);
   EXPECT_EQ(graphsolve::connected_components(eight.graph).count, 8);

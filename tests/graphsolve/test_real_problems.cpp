@@ -6,6 +6,7 @@
 #include <set>
 
 #include "graphsolve/factorization.hpp"
+#include "graphsolve/robust_solver.hpp"
 #include "graphsolve/supernodes.hpp"
 
 namespace {
@@ -69,6 +70,22 @@ TEST(RealProblems, MatricesAreSolvedToRoundingAndWhatCannotBeSolvedInThisOrderIs
       check(name, solve(problem, FactorizationKind::ldu, merge));
       if (symmetric(problem)) check(name, solve(problem, FactorizationKind::ldlt, merge));
     }
+  }
+}
+
+TEST(RealProblems, TheFallbackSolvesEveryMatrixAndIsReportedWhereItWasNeeded) {
+  if (!families::data_directory()) GTEST_SKIP() << "no data";
+  for (const std::string& name : families::real_matrices()) {
+    const Problem problem = families::real_matrix(name);
+    RobustSolver solver(problem.graph);
+    families::load(problem.matrix, problem.graph, solver.symbolic(), solver.values());
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(problem.right.size());
+    const auto report = solver.solve({problem.right.data(), static_cast<std::size_t>(x.size())},
+                                     {x.data(), static_cast<std::size_t>(x.size())});
+    ASSERT_EQ(report.status, Status::solved) << name << ": " << report.why;
+    EXPECT_LE((problem.matrix * x - problem.right).norm(), 1e-10 * problem.right.norm()) << name;
+    EXPECT_EQ(report.rung == Rung::factorization, report.why.empty()) << name << ": " << report.why;
+    EXPECT_TRUE(!indefinite.contains(name) || report.rung != Rung::factorization) << name;
   }
 }
 
