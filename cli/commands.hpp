@@ -15,5 +15,7 @@ Command add_simulate(CLI::App& program);
 Command add_rollout(CLI::App& program);
 Command add_scenes(CLI::App& program);
 Command add_study(CLI::App& program);
+Command add_analyze(CLI::App& program);
+Command add_solve(CLI::App& program);
 
 }  // namespace cli

@@ -16,9 +16,11 @@ constexpr const char* footer = R"(Examples:
   graphsolve simulate scene.toml --duration 2      simulate a file
   graphsolve rollout snake:n=10 --copies 1000 --steps 100 --vary friction=0.2:0.8 --out many.jsonl
   graphsolve study scaling --out figures           cost over contacts and bodies: table, data, pictures
+  graphsolve analyze A.mtx                         orderings of a sparse matrix side by side, its fill explained
+  graphsolve solve A.mtx b.mtx --out x.mtx         solve a sparse system, with a residual report
   graphsolve simulate --help                       all options of a command
 
-Exit code: 0 all steps solved, 1 a step failed, 2 wrong input or a file that cannot be read or written,
+Exit code: 0 solved, 1 a step failed or a system was singular, 2 wrong input or a file that cannot be read or written,
 130 or 143 stopped by SIGINT or SIGTERM.)";
 
 int fail(const char* sentence) {
@@ -32,14 +34,14 @@ int run(const cli::Command& command) {
   } catch (const physics::DescriptionError& error) {
     return fail(error.what());
   } catch (const std::bad_alloc&) {
-    return fail("not enough memory for this scene");
+    return fail("not enough memory for this scene or matrix");
   }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App program("Exact contact dynamics of rigid bodies in maximal coordinates.", "graphsolve");
+  CLI::App program("Exact contact dynamics of rigid bodies in maximal coordinates, and the sparse block solver under it.", "graphsolve");
   program.set_version_flag("--version", "graphsolve " GRAPHSOLVE_VERSION);
   program.require_subcommand(1);
   program.footer(footer);
@@ -47,7 +49,7 @@ int main(int argc, char** argv) {
     return fmt::format("graphsolve: {} (see 'graphsolve --help')\n", error.what());
   });
   std::vector<cli::Command> commands{cli::add_simulate(program), cli::add_rollout(program), cli::add_scenes(program),
-                                     cli::add_study(program)};
+                                     cli::add_study(program),    cli::add_analyze(program), cli::add_solve(program)};
   const std::vector<CLI::App*> names = program.get_subcommands([](const CLI::App*) { return true; });
   try {
     program.parse(argc, argv);

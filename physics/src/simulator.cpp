@@ -67,5 +67,6 @@ Vec3 Simulator::linear_momentum() const { return impl_->linear_momentum(only); }
 Vec3 Simulator::angular_momentum() const { return impl_->angular_momentum(only); }
 const PhaseTimes& Simulator::phase_times() const { return impl_->times; }
 const ProblemSize& Simulator::problem_size() const { return impl_->size; }
+const graphsolve::BlockGraph& Simulator::graph() const { return impl_->problem->graph(); }
 
 }  // namespace physics

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "graphsolve/block_graph.hpp"
 #include "graphsolve/status.hpp"
 #include "physics/mechanism.hpp"
 #include "physics/trajectory.hpp"
@@ -97,6 +98,8 @@ class Simulator {
 
   [[nodiscard]] const PhaseTimes& phase_times() const;
   [[nodiscard]] const ProblemSize& problem_size() const;
+  /// Bodies and joints as the solver sees them; contacts are no nodes.
+  [[nodiscard]] const graphsolve::BlockGraph& graph() const;
   /// Groups of joint rows that over-constrain the mechanism at the present pose:
   /// "joints 'a', 'b', 'c' over-constrain the mechanism by 3".
   [[nodiscard]] std::vector<std::string> redundancies() const;

@@ -1,0 +1,119 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "analyze_report.hpp"
+#include "commands.hpp"
+#include "graphsolve/io/draw.hpp"
+#include "matrix_source.hpp"
+#include "physics/scene_io.hpp"
+#include "physics/simulator.hpp"
+#include "scene_source.hpp"
+
+namespace cli {
+
+using namespace graphsolve;
+using physics::DescriptionError;
+
+namespace {
+
+struct Options {
+  std::string source, blocks, ordering = "all", json, svg, dot;
+};
+
+constexpr const char* footer = R"(Examples:
+  graphsolve analyze A.mtx                          all orderings side by side; blocks are found in the pattern
+  graphsolve analyze A.mtx --blocks map.json        with names, sizes and kinds of your own (docs/block_map.md)
+  graphsolve analyze snake:n=20 --ordering wide     a scene: bodies and joints are the blocks
+  graphsolve analyze A.mtx --svg fill.svg --dot graph.dot --json report.json
+
+Nothing is factored: all figures are predictions that the factorization keeps. With all orderings, pictures and the
+attribution of fill are those of the ordering of fewest operations. --dot also writes the elimination tree, beside
+the graph: graph.dot and graph-tree.dot.
+
+Exit code: 0 analyzed, 2 wrong input or a file that cannot be read or written.)";
+
+std::vector<OrderingMethod> chosen_methods(const std::string& text) {
+  if (text == "all") {
+    std::vector<OrderingMethod> all;
+    for (const OrderingMethod method : ordering_methods())
+      if (method != OrderingMethod::best && available(method)) all.push_back(method);
+    return all;
+  }
+  return {parse_method(text)};
+}
+
+/// The tree beside the graph: x.dot and x-tree.dot.
+std::string tree_file(const std::string& path) {
+  const bool dot = path.ends_with(".dot");
+  return dot ? path.substr(0, path.size() - 4) + "-tree.dot" : path + "-tree.dot";
+}
+
+int analyze(const Options& options) {
+  const std::vector<OrderingMethod> methods = chosen_methods(options.ordering);
+  for (const std::string& path : {options.json, options.svg, options.dot})
+    if (!path.empty()) physics::check_writable(path);
+  AnalyzeReport report{.source = options.source};
+  if (options.source.ends_with(".mtx")) {
+    const MatrixSource matrix = load_matrix(options.source, options.blocks);
+    report.description = describe(matrix, options.blocks);
+    report.graph = matrix.blocks.graph;
+    report.added_entries = matrix.blocks.added_entries;
+  } else {
+    if (!options.blocks.empty())
+      throw DescriptionError(fmt::format("--blocks needs a matrix (.mtx), and '{}' is a scene", options.source));
+    report.graph = physics::Simulator(load_scene(options.source).trajectory.mechanism).graph();
+    report.description = fmt::format("a scene: {}, {} in all", count(report.graph.size(), "block", "blocks"),
+                                     count(report.graph.rows(), "row", "rows"));
+    if (report.graph.size() == 0) throw DescriptionError(fmt::format("{}: the scene has nothing that moves", options.source));
+  }
+  for (const OrderingMethod method : methods) report.add(method);
+  report.explain();
+  fmt::print("{}", for_people(report));
+  if (!options.json.empty()) physics::write_text_file(as_json(report), options.json);
+  if (!options.svg.empty()) physics::write_text_file(as_svg(report), options.svg);
+  if (!options.dot.empty()) {
+    physics::write_text_file(io::graph_dot(report.graph), options.dot);
+    physics::write_text_file(io::tree_dot(report.graph, *report.best().symbolic), tree_file(options.dot));
+  }
+  return all_solved;
+}
+
+}  // namespace
+
+OrderingMethod parse_method(const std::string& text) {
+  const auto method = parse_ordering_method(text);
+  if (!method) {
+    std::string known;
+    for (const OrderingMethod m : ordering_methods()) known += fmt::format("{}{}", known.empty() ? "" : ", ", name(m));
+    throw DescriptionError(fmt::format("there is no ordering '{}'; there are: {}", text, known));
+  }
+  if (!available(*method))
+    throw DescriptionError(fmt::format("the ordering '{}' needs a package that was missing when graphsolve was built", text));
+  return *method;
+}
+
+Command add_analyze(CLI::App& program) {
+  CLI::App* command =
+      program.add_subcommand("analyze", "Compare orderings of a sparse matrix or a scene; explain its fill.");
+  const auto options = std::make_shared<Options>();
+  command->add_option("FILE.mtx|SCENE", options->source, "A Matrix Market file, a scene file, or a built-in scene")
+      ->required()
+      ->type_name("");
+  command->add_option("--blocks", options->blocks, "Block map: JSON, or a list of sizes (default: found in the pattern)")
+      ->type_name("MAP");
+  command->add_option("--ordering", options->ordering, "all, best, natural, minimum-fill, amd, wide, ...")
+      ->type_name("NAME")
+      ->capture_default_str();
+  const auto file = [&](const char* name, std::string& path, const char* help) {
+    command->add_option(name, path, help)->type_name("FILE")->group("Output");
+  };
+  file("--json", options->json, "All figures");
+  file("--svg", options->svg, "Spy plot of the factor, fill coloured by cause");
+  file("--dot", options->dot, "GraphViz: the graph, and the elimination tree beside it");
+  command->footer(footer);
+  return [options] { return analyze(*options); };
+}
+
+}  // namespace cli

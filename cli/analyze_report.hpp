@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "graphsolve/io/draw.hpp"
+#include "graphsolve/ordering.hpp"
+#include "graphsolve/symbolic.hpp"
+
+/// What `analyze` found, for people and for programs.
+namespace cli {
+
+/// Throws DescriptionError that lists the orderings there are.
+graphsolve::OrderingMethod parse_method(const std::string& text);
+
+struct AnalyzeReport {
+  struct Row {
+    graphsolve::OrderingMethod method;
+    graphsolve::Ordering ordering;
+    std::shared_ptr<const graphsolve::Symbolic> symbolic;
+    double ordering_seconds = 0, symbolic_seconds = 0;  ///< CPU time of this thread
+  };
+
+  std::string source;       ///< as named on the command line
+  std::string description = {};  ///< one line
+  graphsolve::BlockGraph graph = {};
+  long long added_entries = 0;
+  std::vector<Row> rows = {};
+
+  void add(graphsolve::OrderingMethod method);
+  /// Attributes the fill of the best ordering.
+  void explain();
+  /// The ordering of fewest operations.
+  [[nodiscard]] const Row& best() const;
+
+  graphsolve::io::FillCauses causes = {};
+  std::vector<std::string> findings = {};  ///< sentences about the fill of the best ordering
+};
+
+std::string for_people(const AnalyzeReport& report);
+std::string as_json(const AnalyzeReport& report);
+std::string as_svg(const AnalyzeReport& report);
+
+}  // namespace cli

@@ -1,0 +1,197 @@
+#include "solve_engine.hpp"
+
+#include <fmt/format.h>
+#include <time.h>
+
+#include <Eigen/SparseLU>
+#include <algorithm>
+#include <cmath>
+
+#include "graphsolve/io/draw.hpp"
+#include "graphsolve/io/eigen.hpp"
+
+namespace cli {
+
+using namespace graphsolve;
+
+namespace {
+
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+const char* name_of(FactorizationKind kind) {
+  return kind == FactorizationKind::cholesky ? "cholesky" : kind == FactorizationKind::ldlt ? "ldlt" : "ldu";
+}
+
+std::vector<FactorizationKind> ladder(const MatrixSource& source, const SolveRequest& request) {
+  using enum FactorizationKind;
+  if (request.kind) return {*request.kind};
+  if (!source.blocks.symmetric) return {ldu};
+  bool positive = true;  // can it be positive definite at all?
+  const SparseMatrix& matrix = source.file.matrix;
+  std::vector<double> diagonal(static_cast<std::size_t>(matrix.rows), 0.0);
+  for (int j = 0; j < matrix.columns; ++j)
+    for (std::int64_t k = matrix.begin[j]; k < matrix.begin[j + 1]; ++k)
+      if (matrix.row[k] == j) diagonal[j] = matrix.value[k];
+  for (const double d : diagonal) positive = positive && d > 0;
+  if (positive) return {cholesky, ldlt, ldu};
+  return {ldlt, ldu};
+}
+
+/// Everything one run works on.
+struct Run {
+  const MatrixSource& source;
+  std::span<const double> b;
+  int columns;
+  SolveResult& result;
+  [[nodiscard]] std::size_t rows() const { return static_cast<std::size_t>(source.file.matrix.rows); }
+  [[nodiscard]] std::span<const double> column_of_b(int c) const { return b.subspan(c * rows(), rows()); }
+  [[nodiscard]] std::span<double> column_of_x(int c) const { return std::span(result.x).subspan(c * rows(), rows()); }
+};
+
+void judge(const Run& run, Attempt& attempt) {
+  for (int c = 0; c < run.columns; ++c) {
+    const BackwardError error = backward_error(run.source.file.matrix, run.column_of_b(c), run.column_of_x(c));
+    // The worst of all; NaN stays.
+    if (!(error.normwise <= attempt.error.normwise)) attempt.error.normwise = error.normwise;
+    if (!(error.componentwise <= attempt.error.componentwise)) attempt.error.componentwise = error.componentwise;
+  }
+  if (!(attempt.error.normwise <= solved_below))
+    attempt.trouble = fmt::format("backward error {:.1e} after refinement", attempt.error.normwise);
+}
+
+/// Blocks in which a vector is not zero, the largest first: "'a', 'b' and 3 more".
+std::string blocks_of(const BlockGraph& graph, std::span<const double> y) {
+  double largest = 0;
+  for (const double value : y) largest = std::max(largest, std::abs(value));
+  std::string text;
+  int named = 0, more = 0;
+  for (int v = 0; v < graph.size(); ++v) {
+    double here = 0;
+    for (int i = 0; i < graph.dimension({v}); ++i) here = std::max(here, std::abs(y[graph.row({v}) + i]));
+    if (here <= 1e-8 * largest) continue;
+    if (named < 6) text += fmt::format("{}'{}'", named++ ? ", " : "", graph.name({v}));
+    else ++more;
+  }
+  return more ? fmt::format("{} and {} more", text, more) : text;
+}
+
+/// Names the groups of dependent rows that were left out.
+void explain_dropped(const Run& run, const Factorization& factor) {
+  std::vector<double> y(run.rows());
+  constexpr std::size_t most = 5;
+  const auto dropped = factor.dropped_rows();
+  for (std::size_t k = 0; k < std::min(most, dropped.size()); ++k) {
+    factor.dependency(dropped[k], y);
+    run.result.diagnosis.push_back(fmt::format("row {} of block '{}' depends on others: the rows of {} add up to zero",
+                                               dropped[k].row + 1, run.source.blocks.graph.name(dropped[k].node),
+                                               blocks_of(run.source.blocks.graph, y)));
+  }
+  if (dropped.size() > most)
+    run.result.diagnosis.push_back(fmt::format("and {} more dependent rows", dropped.size() - most));
+}
+
+std::string bad_pivot(const Run& run, const Symbolic& symbolic, int pivot) {
+  const BlockGraph& graph = run.source.blocks.graph;
+  const NodeId node = symbolic.node(pivot);
+  std::string neighbours;
+  for (const auto& edge : graph.edges(node).first(std::min<std::size_t>(4, graph.edges(node).size())))
+    neighbours += fmt::format("{}'{}'", neighbours.empty() ? "" : ", ", graph.name(edge.to));
+  return fmt::format("block '{}' ({})", graph.name(node),
+                     neighbours.empty() ? "without neighbours" : "neighbours " + neighbours);
+}
+
+bool try_graph(const Run& run, const std::shared_ptr<const Symbolic>& symbolic, FactorizationKind kind) {
+  Attempt attempt{.method = name_of(kind), .trouble = {}, .outcome = {}, .error = {}};
+  const double start = cpu_seconds();
+  Factorization factor(symbolic, kind);
+  factor.allow_refinement();
+  factor.keep_matrix(true);
+  EntryMap(run.source.file.matrix, run.source.blocks, *symbolic).write(run.source.file.matrix.value, factor.values());
+  const double ready = cpu_seconds();
+  attempt.outcome = factor.factorize();
+  const double factored = cpu_seconds();
+  attempt.setup_seconds = ready - start;
+  attempt.factor_seconds = factored - ready;
+  if (!attempt.outcome.ok()) {
+    const std::string where = bad_pivot(run, *symbolic, attempt.outcome.first_bad_pivot);
+    attempt.trouble = kind == FactorizationKind::cholesky ? "not positive definite at " + where : "singular pivot at " + where;
+    attempt.error = {std::nan(""), std::nan("")};
+  } else {
+    std::vector<double> right(run.rows()), solution(run.rows());
+    for (int c = 0; c < run.columns; ++c) {
+      run.source.blocks.to_graph(run.column_of_b(c), right);
+      solution = right;
+      factor.solve(solution);
+      attempt.sweeps = std::max(attempt.sweeps, factor.refine(right, solution, 10).sweeps);
+      run.source.blocks.to_matrix(solution, run.column_of_x(c));
+    }
+    attempt.solve_seconds = cpu_seconds() - factored;
+    judge(run, attempt);
+    if (attempt.outcome.dropped_rows > 0) explain_dropped(run, factor);
+  }
+  run.result.attempts.push_back(attempt);
+  return attempt.trouble.empty();
+}
+
+bool try_threshold_pivoting(const Run& run) {
+  Attempt attempt{.method = "threshold pivoting (Eigen SparseLU)", .trouble = {}, .outcome = {}, .by_graph = false, .error = {}};
+  const double start = cpu_seconds();
+  const Eigen::SparseMatrix<double> matrix = io::to_eigen(run.source.file.matrix);
+  Eigen::SparseLU<Eigen::SparseMatrix<double>> factor;
+  factor.analyzePattern(matrix);
+  const double ready = cpu_seconds();
+  factor.factorize(matrix);
+  const double factored = cpu_seconds();
+  attempt.setup_seconds = ready - start;
+  attempt.factor_seconds = factored - ready;
+  if (factor.info() != Eigen::Success) {
+    attempt.trouble = "finds the matrix singular";
+    attempt.error = {std::nan(""), std::nan("")};
+  } else {
+    const auto n = static_cast<Eigen::Index>(run.rows());
+    for (int c = 0; c < run.columns; ++c) {
+      const Eigen::Map<const Eigen::VectorXd> b(run.column_of_b(c).data(), n);
+      Eigen::Map<Eigen::VectorXd> x(run.column_of_x(c).data(), n);
+      x = factor.solve(b);
+      x += factor.solve(Eigen::VectorXd(b - matrix * x));
+    }
+    attempt.sweeps = 1;
+    attempt.solve_seconds = cpu_seconds() - factored;
+    judge(run, attempt);
+  }
+  run.result.attempts.push_back(attempt);
+  return attempt.trouble.empty();
+}
+
+}  // namespace
+
+SolveResult solve_system(const MatrixSource& source, std::span<const double> b, const SolveRequest& request) {
+  SolveResult result;
+  result.x.assign(b.size(), 0.0);
+  const Run run{source, b, request.columns, result};
+  const BlockGraph& graph = source.blocks.graph;
+  const auto symbolic = std::make_shared<const Symbolic>(graph, make_ordering(graph, request.ordering));
+  result.fill_ratio = io::fill_ratio(*symbolic);
+  bool good = false;
+  for (const FactorizationKind kind : ladder(source, request)) {
+    result.diagnosis.clear();
+    if ((good = try_graph(run, symbolic, kind))) break;
+  }
+  // Rows left out by a factorization that then leaves no residual are dependent; a large residual may have made them.
+  const bool dependent = good && !result.diagnosis.empty();
+  if (!good) {
+    result.diagnosis.clear();
+    good = try_threshold_pivoting(run);
+    if (!good)
+      for (const Attempt& attempt : result.attempts)
+        result.diagnosis.push_back(attempt.method + ": " + attempt.trouble);
+  }
+  result.solved = good && !dependent;
+  return result;
+}
+
+}  // namespace cli
