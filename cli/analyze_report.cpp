@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "matrix_source.hpp"
 #include "study/table.hpp"
 
 namespace cli {
@@ -50,15 +51,56 @@ const AnalyzeReport::Row& AnalyzeReport::best() const {
       rows, {}, [](const Row& row) { return row.symbolic->counts().operations; });
 }
 
+namespace {
+
+/// "12 nodes in 3 cycles: 'a', 'b', 'c', ...".
+std::string name_of_cause(const FillCause& cause, const BlockGraph& graph) {
+  if (cause.cycles == 0) return "the order, no cycle";
+  std::string text = fmt::format("{} of {}:", count(cause.cycles, "cycle", "cycles"), count(static_cast<long long>(cause.nodes.size()), "block", "blocks"));
+  constexpr std::size_t most = 3;
+  for (std::size_t k = 0; k < std::min(most, cause.nodes.size()); ++k)
+    text += fmt::format("{} '{}'", k ? "," : "", graph.name(cause.nodes[k]));
+  return cause.nodes.size() > most ? text + ", ..." : text;
+}
+
+double percent(std::int64_t part, std::int64_t whole) {
+  return whole == 0 ? 0 : 100 * static_cast<double>(part) / static_cast<double>(whole);
+}
+
+}  // namespace
+
 void AnalyzeReport::explain() {
   const Row& row = best();
   const auto& counts = row.symbolic->counts();
-  if (counts.fill_blocks == 0)
-    findings.push_back(fmt::format("{}: no fill, cost grows linearly with the number of blocks of this shape",
-                                   name(row.method)));
-  else
-    findings.push_back(fmt::format("{}: {} fill blocks, the factor is {} times the matrix", name(row.method),
-                                   counts.fill_blocks, number(io::fill_ratio(*row.symbolic), 4)));
+  const std::string_view ordering = name(row.method);
+  if (counts.fill_blocks == 0) {
+    findings.push_back(fmt::format("{}: no fill", ordering));
+    return;
+  }
+  findings.push_back(fmt::format("{}: {}, the factor is {} times the matrix", ordering,
+                                 count(counts.fill_blocks, "fill block", "fill blocks"), number(io::fill_ratio(*row.symbolic), 4)));
+  if (!fill_analysis_available()) {
+    findings.push_back("the fill is not attributed to cycles: Boost.Graph was missing when graphsolve was built");
+    return;
+  }
+  analysis = analyze_fill(graph, *row.symbolic);
+  for (const FillCause& cause : analysis->causes) causes.names.push_back(name_of_cause(cause, graph));
+  for (const FillBlock& block : analysis->blocks) causes.of_fill.push_back(block.cause);
+  constexpr std::size_t most = 8;
+  const auto& found = analysis->causes;
+  for (std::size_t c = 0; c < std::min(most, found.size()); ++c)
+    findings.push_back(fmt::format("  {}, {} operations ({:.1f} % of all): {}",
+                                   count(found[c].price.blocks, "fill block", "fill blocks"), found[c].price.operations,
+                                   percent(found[c].price.operations, counts.operations), causes.names[c]));
+  if (found.size() > most) findings.push_back(fmt::format("  and {} causes more", found.size() - most));
+  if (analysis->edge) {
+    const EdgeSaving& edge = *analysis->edge;
+    findings.push_back(fmt::format("without the edge '{}' - '{}': {} fewer, {} operations ({:.1f} %) saved{}", graph.name(edge.a),
+                                   graph.name(edge.b), count(edge.blocks, "fill block", "fill blocks"), edge.operations,
+                                   percent(edge.operations, counts.operations),
+                                   edge.exact() ? "; no other edge saves more"
+                                                : fmt::format("; the best of {} edges tried of {}", edge.tried, edge.edges)));
+  }
 }
 
 std::string for_people(const AnalyzeReport& report) {
@@ -78,8 +120,35 @@ std::string for_people(const AnalyzeReport& report) {
   return text;
 }
 
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Json to_json(const FillPrice& price) {
+  return {{"fill_blocks", price.blocks}, {"fill_scalars", price.scalars}, {"operations", price.operations}};
+}
+
+void add_attribution(const AnalyzeReport& report, Json& json) {
+  const BlockGraph& graph = report.graph;
+  json["fill"] = to_json(report.analysis->total);
+  json["fill"]["causes"] = Json::array();
+  for (const FillCause& cause : report.analysis->causes) {
+    Json item{{"cycles", cause.cycles}, {"edges", cause.edges}, {"blocks", Json::array()}};
+    for (const NodeId node : cause.nodes) item["blocks"].push_back(graph.name(node));
+    item.update(to_json(cause.price));
+    json["fill"]["causes"].push_back(item);
+  }
+  if (!report.analysis->edge) return;
+  const EdgeSaving& edge = *report.analysis->edge;
+  json["edge_to_cut"] = {{"from", graph.name(edge.a)},   {"to", graph.name(edge.b)},
+                         {"fill_blocks", edge.blocks},   {"scalars", edge.scalars},
+                         {"operations", edge.operations}, {"edges_tried", edge.tried},
+                         {"edges_in_cycles", edge.edges}};
+}
+
+}  // namespace
+
 std::string as_json(const AnalyzeReport& report) {
-  using Json = nlohmann::ordered_json;
   Json orderings = Json::array();
   for (const auto& row : report.rows) {
     const auto& c = row.symbolic->counts();
@@ -105,7 +174,7 @@ std::string as_json(const AnalyzeReport& report) {
     saddle += report.graph.kind({v}) == NodeKind::saddle;
     semidefinite += report.graph.kind({v}) == NodeKind::semidefinite;
   }
-  const Json json{{"format", "graphsolve-analysis"},
+  Json json{{"format", "graphsolve-analysis"},
                   {"version", 1},
                   {"program", "graphsolve " GRAPHSOLVE_VERSION},
                   {"source", report.source},
@@ -117,6 +186,7 @@ std::string as_json(const AnalyzeReport& report) {
                   {"orderings", orderings},
                   {"best", name(report.best().method)},
                   {"findings", report.findings}};
+  if (report.analysis) add_attribution(report, json);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -126,6 +196,14 @@ std::string as_svg(const AnalyzeReport& report) {
   options.subtitle = fmt::format("{}, ordering {}: {} blocks, {} rows", report.source, name(row.method), report.graph.size(),
                                  report.graph.rows());
   options.causes = report.causes;
+  if (report.analysis && !report.analysis->causes.empty()) {
+    const auto& total = report.analysis->total;
+    const auto& first = report.analysis->causes.front();
+    options.title = fmt::format("Fill of {} operations ({:.0f} % of all), {:.0f} % of it by {}", total.operations,
+                                percent(total.operations, row.symbolic->counts().operations),
+                                percent(first.price.operations, total.operations),
+                                first.cycles == 0 ? "the order alone" : count(first.cycles, "cycle", "cycles"));
+  }
   return io::spy_svg(report.graph, *row.symbolic, options);
 }
 

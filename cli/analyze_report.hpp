@@ -1,9 +1,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "graphsolve/fill_analysis.hpp"
 #include "graphsolve/io/draw.hpp"
 #include "graphsolve/ordering.hpp"
 #include "graphsolve/symbolic.hpp"
@@ -34,6 +36,7 @@ struct AnalyzeReport {
   /// The ordering of fewest operations.
   [[nodiscard]] const Row& best() const;
 
+  std::optional<graphsolve::FillAnalysis> analysis = {};  ///< of the best ordering; none without fill or Boost.Graph
   graphsolve::io::FillCauses causes = {};
   std::vector<std::string> findings = {};  ///< sentences about the fill of the best ordering
 };

@@ -30,7 +30,7 @@ constexpr const char* footer = R"(Examples:
 
 With 'auto' a symmetric matrix of positive diagonal is tried by cholesky, then ldlt, then ldu; other symmetric ones by
 ldlt, then ldu; the rest by ldu. What leaves a normwise backward error above 1e-12 is followed by the next, at last by
-threshold pivoting; every attempt is reported. A pattern without values gets seeded ones with a dominant diagonal.
+the robust chain (reordering, proximal shift, threshold pivoting); every attempt is reported. A pattern without values gets seeded ones with a dominant diagonal.
 
 Exit code: 0 solved, 1 the matrix is singular or no attempt was good enough (the blocks in question are named),
 2 wrong input or a file that cannot be read or written.)";
@@ -64,17 +64,18 @@ void print_attempts(const SolveResult& result) {
                       "sweeps", "setup ms", "factor ms", "solve ms", "note"});
   for (const Attempt& a : result.attempts) {
     const auto& o = a.outcome;
-    const bool counted = a.by_graph && o.inertia != Inertia{};
+    const bool counted = o.inertia != Inertia{};
     table.add({a.method, scientific(a.error.normwise), scientific(a.error.componentwise),
-               a.by_graph && o.growth > 0 ? number(o.growth) : "-", a.by_graph ? fmt::format("{}", o.boosts) : "-",
-               a.by_graph ? fmt::format("{}", o.dropped_rows) : "-",
+               o.growth > 0 ? number(o.growth) : "-", fmt::format("{}", o.boosts),
+               fmt::format("{}", o.dropped_rows),
                counted ? fmt::format("{} {} {}", o.inertia.positive, o.inertia.negative, o.inertia.zero) : "-",
                fmt::format("{}", a.sweeps), number(1e3 * a.setup_seconds), number(1e3 * a.factor_seconds),
-               number(1e3 * a.solve_seconds), a.trouble.empty() ? "good" : "next"});
+               number(1e3 * a.solve_seconds), a.trouble.empty() ? "good" : &a == &result.attempts.back() ? "failed" : "next"});
   }
   fmt::print("{}\n", table.text());
   for (const Attempt& a : result.attempts)
-    if (!a.trouble.empty()) fmt::print("{}: {}\n", a.method, a.trouble);
+    for (const std::string& sentence : {a.trouble, a.reason})
+      if (!sentence.empty()) fmt::print("{}: {}\n", a.method, sentence);
 }
 
 int solve(const Options& options) {

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 #include <time.h>
 
-#include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
 
+#include "graphsolve/diagnosis.hpp"
 #include "graphsolve/io/draw.hpp"
-#include "graphsolve/io/eigen.hpp"
+#include "graphsolve/robust_solver.hpp"
 
 namespace cli {
 
@@ -63,35 +63,15 @@ void judge(const Run& run, Attempt& attempt) {
     attempt.trouble = fmt::format("backward error {:.1e} after refinement", attempt.error.normwise);
 }
 
-/// Blocks in which a vector is not zero, the largest first: "'a', 'b' and 3 more".
-std::string blocks_of(const BlockGraph& graph, std::span<const double> y) {
-  double largest = 0;
-  for (const double value : y) largest = std::max(largest, std::abs(value));
-  std::string text;
-  int named = 0, more = 0;
-  for (int v = 0; v < graph.size(); ++v) {
-    double here = 0;
-    for (int i = 0; i < graph.dimension({v}); ++i) here = std::max(here, std::abs(y[graph.row({v}) + i]));
-    if (here <= 1e-8 * largest) continue;
-    if (named < 6) text += fmt::format("{}'{}'", named++ ? ", " : "", graph.name({v}));
-    else ++more;
+/// The lines of graphsolve's own diagnosis.
+void explain(const Run& run, const Factorization& factor, const Factorization::Outcome& outcome) {
+  const std::string text = to_string(diagnose(run.source.blocks.graph, factor, outcome));
+  run.result.diagnosis.clear();
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    if (end > at) run.result.diagnosis.push_back(text.substr(at, end - at));
+    at = end + 1;
   }
-  return more ? fmt::format("{} and {} more", text, more) : text;
-}
-
-/// Names the groups of dependent rows that were left out.
-void explain_dropped(const Run& run, const Factorization& factor) {
-  std::vector<double> y(run.rows());
-  constexpr std::size_t most = 5;
-  const auto dropped = factor.dropped_rows();
-  for (std::size_t k = 0; k < std::min(most, dropped.size()); ++k) {
-    factor.dependency(dropped[k], y);
-    run.result.diagnosis.push_back(fmt::format("row {} of block '{}' depends on others: the rows of {} add up to zero",
-                                               dropped[k].row + 1, run.source.blocks.graph.name(dropped[k].node),
-                                               blocks_of(run.source.blocks.graph, y)));
-  }
-  if (dropped.size() > most)
-    run.result.diagnosis.push_back(fmt::format("and {} more dependent rows", dropped.size() - most));
 }
 
 std::string bad_pivot(const Run& run, const Symbolic& symbolic, int pivot) {
@@ -131,38 +111,42 @@ bool try_graph(const Run& run, const std::shared_ptr<const Symbolic>& symbolic, 
     }
     attempt.solve_seconds = cpu_seconds() - factored;
     judge(run, attempt);
-    if (attempt.outcome.dropped_rows > 0) explain_dropped(run, factor);
+    if (attempt.outcome.dropped_rows > 0) explain(run, factor, attempt.outcome);
   }
   run.result.attempts.push_back(attempt);
   return attempt.trouble.empty();
 }
 
-bool try_threshold_pivoting(const Run& run) {
-  Attempt attempt{.method = "threshold pivoting (Eigen SparseLU)", .trouble = {}, .outcome = {}, .by_graph = false, .error = {}};
+/// graphsolve's own chain: reordering, proximal shift, threshold pivoting; and its diagnosis when all fail.
+bool try_robust(const Run& run) {
+  Attempt attempt{.method = "robust", .trouble = {}, .outcome = {}, .error = {}};
   const double start = cpu_seconds();
-  const Eigen::SparseMatrix<double> matrix = io::to_eigen(run.source.file.matrix);
-  Eigen::SparseLU<Eigen::SparseMatrix<double>> factor;
-  factor.analyzePattern(matrix);
+  RobustSolver solver(run.source.blocks.graph,
+                      {.kind = run.source.blocks.symmetric ? FactorizationKind::ldlt : FactorizationKind::ldu});
+  EntryMap(run.source.file.matrix, run.source.blocks, solver.symbolic()).write(run.source.file.matrix.value, solver.values());
   const double ready = cpu_seconds();
-  factor.factorize(matrix);
+  attempt.outcome = solver.factorize();
   const double factored = cpu_seconds();
   attempt.setup_seconds = ready - start;
   attempt.factor_seconds = factored - ready;
-  if (factor.info() != Eigen::Success) {
-    attempt.trouble = "finds the matrix singular";
-    attempt.error = {std::nan(""), std::nan("")};
-  } else {
-    const auto n = static_cast<Eigen::Index>(run.rows());
-    for (int c = 0; c < run.columns; ++c) {
-      const Eigen::Map<const Eigen::VectorXd> b(run.column_of_b(c).data(), n);
-      Eigen::Map<Eigen::VectorXd> x(run.column_of_x(c).data(), n);
-      x = factor.solve(b);
-      x += factor.solve(Eigen::VectorXd(b - matrix * x));
-    }
-    attempt.sweeps = 1;
-    attempt.solve_seconds = cpu_seconds() - factored;
-    judge(run, attempt);
+  std::vector<double> right(run.rows()), solution(run.rows());
+  bool solved = true;
+  for (int c = 0; c < run.columns && solved; ++c) {
+    run.source.blocks.to_graph(run.column_of_b(c), right);
+    const RobustSolver::Report report = solver.solve(right, solution);
+    solved = report.status == Status::solved;
+    attempt.method = fmt::format("robust: {}", name(report.rung));
+    attempt.reason = report.why;
+    if (solved) run.source.blocks.to_matrix(solution, run.column_of_x(c));
   }
+  attempt.solve_seconds = cpu_seconds() - factored;
+  if (solved) {
+    judge(run, attempt);
+  } else {
+    attempt.trouble = "no solution found";
+    attempt.error = {std::nan(""), std::nan("")};
+  }
+  if (!attempt.trouble.empty()) explain(run, solver.factorization(), attempt.outcome);
   run.result.attempts.push_back(attempt);
   return attempt.trouble.empty();
 }
@@ -185,10 +169,7 @@ SolveResult solve_system(const MatrixSource& source, std::span<const double> b, 
   const bool dependent = good && !result.diagnosis.empty();
   if (!good) {
     result.diagnosis.clear();
-    good = try_threshold_pivoting(run);
-    if (!good)
-      for (const Attempt& attempt : result.attempts)
-        result.diagnosis.push_back(attempt.method + ": " + attempt.trouble);
+    good = try_robust(run);
   }
   result.solved = good && !dependent;
   return result;

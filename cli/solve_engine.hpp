@@ -18,12 +18,12 @@ struct SolveRequest {
 
 /// One factorization that was tried.
 struct Attempt {
-  std::string method;  ///< "cholesky", "ldlt", "ldu", "threshold pivoting (Eigen SparseLU)"
-  std::string trouble;  ///< why it was not the last; empty when it was good
-  graphsolve::Factorization::Outcome outcome;
-  bool by_graph = true;  ///< outcome holds figures
+  std::string method;  ///< "cholesky", "ldlt", "ldu", "robust: reordered" (RobustSolver and its rung)
+  std::string trouble = {};  ///< why it was not the last; empty when it was good
+  graphsolve::Factorization::Outcome outcome = {};
+  std::string reason = {};  ///< of a robust solve: why it took its rung
   int sweeps = 0;        ///< of refinement, the most over the columns
-  graphsolve::BackwardError error;  ///< the worst over the columns
+  graphsolve::BackwardError error = {};  ///< the worst over the columns
   double setup_seconds = 0, factor_seconds = 0, solve_seconds = 0;  ///< CPU; solve with refinement, all columns
 };
 

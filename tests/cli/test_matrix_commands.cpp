@@ -130,14 +130,20 @@ TEST_F(MatrixCommand, AnalyzeComparesAllOrderingsAndAChainHasNoFill) {
 
 TEST_F(MatrixCommand, AnalyzeDrawsTheRingWithItsFillAndTheTree) {
   write("ring.mtx", 12, line(12, Shape::ring));
-  const Outcome outcome = run("analyze ring.mtx --ordering natural --svg ring.svg --dot ring.dot");
+  const Outcome outcome = run("analyze ring.mtx --ordering natural --svg ring.svg --dot ring.dot --json ring.json");
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   const std::string svg = text("ring.svg"), graph = text("ring.dot"), tree = text("ring-tree.dot");
   EXPECT_TRUE(well_formed(svg));
   // 12 diagonal blocks, 12 links and 9 fill blocks, the last two in both triangles.
   EXPECT_EQ(occurrences(svg, "<title>"), 12 + 2 * (12 + 9));
   EXPECT_EQ(occurrences(svg, ", fill"), 2 * 9);
-  EXPECT_NE(svg.find("9 fill blocks"), std::string::npos);
+  EXPECT_NE(svg.find("100 % of it by 1 cycle"), std::string::npos);
+  EXPECT_NE(outcome.out.find("1 cycle of 12 blocks"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("without the edge"), std::string::npos) << outcome.out;
+  const auto fill = nlohmann::json::parse(text("ring.json"))["fill"];
+  EXPECT_EQ(fill["fill_blocks"], 9);
+  ASSERT_EQ(fill["causes"].size(), 1u);
+  EXPECT_EQ(fill["causes"][0]["operations"], fill["operations"]);
   EXPECT_EQ(occurrences(graph, " -- "), 12);
   EXPECT_EQ(occurrences(tree, " -> "), 11);
 }
@@ -160,7 +166,7 @@ TEST_F(MatrixCommand, NamesOfTheBlockMapAppearEscaped) {
   EXPECT_NE(outcome.out.find("2 blocks from map.json"), std::string::npos) << outcome.out;
   EXPECT_TRUE(well_formed(text("x.svg")));
   EXPECT_NE(text("x.svg").find("a&lt;&quot;&amp;b"), std::string::npos);
-  EXPECT_NE(text("x.dot").find(R"("a<\"&b (2)")"), std::string::npos);
+  EXPECT_NE(text("x.dot").find("\"a<\\\"&b (2)\""), std::string::npos);
   EXPECT_EQ(nlohmann::json::parse(text("x.json"))["blocks"], 2);
 }
 
@@ -230,6 +236,7 @@ TEST_F(MatrixCommand, AnIndefiniteHessianFallsBackAloudAndIsSolved) {
   const Outcome outcome = run("solve a.mtx --blocks sizes.txt");
   EXPECT_EQ(outcome.code, 0) << outcome.err << outcome.out;
   EXPECT_NE(outcome.out.find("next"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("robust: "), std::string::npos) << outcome.out;
 }
 
 TEST_F(MatrixCommand, WrongInputIsNamedWithFileLineAndValue) {

@@ -198,20 +198,33 @@ std::string text(double x, double y, int size, std::string_view content, const c
          escaped(content) + "</text>\n";
 }
 
+/// What fits beside the plot; never cut inside of a UTF-8 character.
+std::string shortened(const std::string& label) {
+  constexpr std::size_t most = 40;
+  if (label.size() <= most) return label;
+  std::size_t end = most - 3;
+  while (end > 0 && (static_cast<unsigned char>(label[end]) & 0xc0) == 0x80) --end;
+  return label.substr(0, end) + "...";
+}
+
 std::string legend(const Picture& picture) {
   std::string svg;
   double y = top + 12;
   const double x = left + side + 20;
   std::int64_t all = 0, rest = 0;
   for (const std::int64_t scalars : picture.scalars) all += scalars;
-  const auto entry = [&](const char* fill, const std::string& label, const std::string& detail) {
+  // "3 cycles of 12 blocks: a, b, ..." in two lines.
+  const auto entry = [&](const char* fill, const std::string& name, const std::string& detail) {
+    const std::size_t colon = name.find(": ");
+    const std::string label = name.substr(0, colon);
     svg += "<rect x=\"" + number(x) + "\" y=\"" + number(y - 11) + "\" width=\"14\" height=\"14\" rx=\"2\" fill=\"" + fill +
-           "\"/>\n" + text(x + 22, y, 13, label);
+           "\"/>\n" + text(x + 22, y, 13, shortened(label));
+    if (colon != std::string::npos) svg += text(x + 22, y += 16, 11, shortened(name.substr(colon + 2)), "fill=\"#667\"");
     if (!detail.empty()) svg += text(x + 22, y + 16, 11, detail, "fill=\"#667\"");
     y += detail.empty() ? 26 : 42;
   };
   const auto share = [&](std::int64_t scalars) {
-    return std::to_string(scalars) + " scalars, " + number(100.0 * static_cast<double>(scalars) / static_cast<double>(all)) +
+    return std::to_string(scalars) + (scalars == 1 ? " scalar, " : " scalars, ") + number(100.0 * static_cast<double>(scalars) / static_cast<double>(all)) +
            " % of the fill";
   };
   entry(matrix_colour, "the matrix", "");
@@ -249,8 +262,9 @@ std::string spy_svg(const BlockGraph& graph, const Symbolic& symbolic, const Spy
   svg += "<rect x=\"" + number(left) + "\" y=\"" + number(top) + "\" width=\"" + number(side) + "\" height=\"" + number(side) +
          "\" fill=\"#fafafa\" stroke=\"#ccccd4\"/>\n";
   // Pixels may be thinner than what a screen shows: no smoothing between them.
-  svg += "<g shape-rendering=\"crispEdges\">\n";
-  svg += graph.size() <= most_named_nodes ? draw_blocks(picture, graph, symbolic) : draw_pixels(picture);
+  const bool blocks = graph.size() <= most_named_nodes;
+  svg += blocks ? "<g>\n" : "<g shape-rendering=\"crispEdges\">\n";
+  svg += blocks ? draw_blocks(picture, graph, symbolic) : draw_pixels(picture);
   return svg + "</g>\n" + legend(picture) + "</svg>\n";
 }
 
