@@ -63,9 +63,16 @@ void judge(const Run& run, Attempt& attempt) {
     attempt.trouble = fmt::format("backward error {:.1e} after refinement", attempt.error.normwise);
 }
 
+/// A matrix whose rows were boosted or left out is singular when it shortens some vector to rounding; otherwise its
+/// pivots only came in an unlucky order. Rows left out count as dependent in any case.
+bool is_singular(const Diagnosis& diagnosis, const Factorization::Outcome& outcome) {
+  const double rounding = 4e-16 * diagnosis.rows * diagnosis.largest_singular;
+  return outcome.dropped_rows > 0 || !(diagnosis.smallest_singular > rounding);
+}
+
 /// The lines of graphsolve's own diagnosis.
-void explain(const Run& run, const Factorization& factor, const Factorization::Outcome& outcome) {
-  const std::string text = to_string(diagnose(run.source.blocks.graph, factor, outcome));
+void explain(const Run& run, const Diagnosis& diagnosis) {
+  const std::string text = to_string(diagnosis);
   run.result.diagnosis.clear();
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
@@ -111,7 +118,10 @@ bool try_graph(const Run& run, const std::shared_ptr<const Symbolic>& symbolic, 
     }
     attempt.solve_seconds = cpu_seconds() - factored;
     judge(run, attempt);
-    if (attempt.outcome.dropped_rows > 0) explain(run, factor, attempt.outcome);
+    if (attempt.outcome.dropped_rows + attempt.outcome.boosts > 0) {
+      const Diagnosis diagnosis = diagnose(run.source.blocks.graph, factor, attempt.outcome);
+      if (is_singular(diagnosis, attempt.outcome)) explain(run, diagnosis);
+    }
   }
   run.result.attempts.push_back(attempt);
   return attempt.trouble.empty();
@@ -146,7 +156,8 @@ bool try_robust(const Run& run) {
     attempt.trouble = "no solution found";
     attempt.error = {std::nan(""), std::nan("")};
   }
-  if (!attempt.trouble.empty()) explain(run, solver.factorization(), attempt.outcome);
+  if (!attempt.trouble.empty())
+    explain(run, diagnose(run.source.blocks.graph, solver.factorization(), attempt.outcome));
   run.result.attempts.push_back(attempt);
   return attempt.trouble.empty();
 }

@@ -229,13 +229,22 @@ TEST_F(MatrixCommand, SolveNamesTheBlocksOfASingularMatrixAndExitsWithOne) {
   EXPECT_EQ(run("solve equal.mtx").code, 1);
 }
 
-TEST_F(MatrixCommand, AnIndefiniteHessianFallsBackAloudAndIsSolved) {
-  // Diagonal without zeros, whose first pivot in every order is tiny against its coupling.
-  write("a.mtx", 2, {{0, 0, 1e-20}, {1, 1, 1e-20}, {0, 1, 1}, {1, 0, 1}});
+TEST_F(MatrixCommand, WhatCholeskyCannotDoLdltDoesAndBothAreReported) {
+  write("a.mtx", 2, {{0, 0, 1}, {1, 1, 1}, {0, 1, 2}, {1, 0, 2}});
   write("sizes.txt", "1 1\n");
   const Outcome outcome = run("solve a.mtx --blocks sizes.txt");
   EXPECT_EQ(outcome.code, 0) << outcome.err << outcome.out;
-  EXPECT_NE(outcome.out.find("next"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("cholesky: not positive definite at block"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("1 1 0"), std::string::npos) << outcome.out;
+}
+
+TEST_F(MatrixCommand, BlocksWronglyCalledRegularAreSolvedByTheRobustChainAloud) {
+  write("a.mtx", 3, {{0, 1, 1}, {1, 2, 1}, {2, 0, 1}});
+  const std::string block = R"({"dimension": 1, "kind": "regular"})";
+  write("map.json", R"({"format": "graphsolve-blocks", "version": 1, "blocks": [)" + block + "," + block + "," + block + "]}");
+  const Outcome outcome = run("solve a.mtx --blocks map.json");
+  EXPECT_EQ(outcome.code, 0) << outcome.err << outcome.out;
+  EXPECT_NE(outcome.out.find("ldu: singular pivot at block"), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find("robust: "), std::string::npos) << outcome.out;
 }
 
