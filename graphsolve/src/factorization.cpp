@@ -7,6 +7,7 @@
 #include "kernels.hpp"
 #include "operations.hpp"
 #include "rank_revealing.hpp"
+#include "simd/packed_factor.hpp"
 
 namespace graphsolve {
 
@@ -36,7 +37,15 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
     largest = std::max(largest, s.dimension(k));
   }
   work_.assign(2 * largest * largest + 3 * largest, 0.0);
+  before_.assign(s.rows(), 0.0);
+  outcomes_.resize(s.components());
+  active_.assign(s.components(), 0);
+  if (!symmetric() && s.program().packs() > 0) packed_ = std::make_unique<simd::PackedFactor>(s);
 }
+
+Factorization::~Factorization() = default;
+Factorization::Factorization(Factorization&&) noexcept = default;
+Factorization& Factorization::operator=(Factorization&&) noexcept = default;
 
 void Factorization::set_zero() { std::fill(values_.begin(), values_.end(), 0.0); }
 
@@ -58,9 +67,25 @@ void Factorization::allow_refinement() {
 Factorization::Outcome Factorization::factorize() {
   Outcome outcome;
   dropped_.clear();
-  factorize_range(0, symbolic_->pivots(), outcome);
-  total_ = outcome;
-  complete_ = keep_matrix_ && outcome.ok();
+  if (!in_packs()) {
+    factorize_range(0, symbolic_->pivots(), outcome);
+    total_ = outcome;
+    complete_ = keep_matrix_ && outcome.ok();
+    return outcome;
+  }
+  complete_ = false;
+  prepare_range(0, symbolic_->pivots());
+  std::fill(active_.begin(), active_.end(), char{1});
+  std::fill(outcomes_.begin(), outcomes_.end(), Outcome{});
+  factorize_steps(outcomes_);
+  for (const Outcome& part : outcomes_) {
+    outcome.dropped_rows += part.dropped_rows;
+    outcome.boosts += part.boosts;
+    outcome.operations += part.operations;
+    outcome.pivots += part.pivots;
+    outcome.growth = std::max(outcome.growth, part.growth);
+    if (outcome.ok()) outcome.first_bad_pivot = part.first_bad_pivot;
+  }
   return outcome;
 }
 
@@ -75,7 +100,7 @@ Factorization::Outcome Factorization::factorize(int component) {
 /// Is what neighbours add to the diagonal of this block remembered? Only where something is decided by it.
 bool Factorization::tracks_reference(int k) const {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
-  return p.saddle && kind_ != FactorizationKind::cholesky && (p.may_depend || saddle_shift_ != 0);
+  return p.saddle && kind_ != FactorizationKind::cholesky && (p.may_depend || (saddle_shift_ != 0 && symmetric()));
 }
 
 void Factorization::start_reference(int k) {
@@ -128,26 +153,32 @@ double Factorization::largest_of(int k) const {
   return largest;
 }
 
-void Factorization::factorize_range(int begin, int end, Outcome& outcome) {
+void Factorization::prepare_range(int begin, int end) {
   if (begin == end) return;
   if (keep_matrix_) keep(begin, end);
   for (int k = begin; k < end; ++k) start_reference(k);
-  double largest = 0;
-  for (int k = begin; k < end; ++k) {
-    if (keep_matrix_) largest = std::max(largest, largest_of(k));
-    if (!factorize_pivot(k, outcome)) return;
-    eliminate(k, outcome);
-  }
-  if (keep_matrix_ && largest_entry_ > 0) outcome.growth = largest / largest_entry_;
+}
+
+void Factorization::factorize_range(int begin, int end, Outcome& outcome) {
+  prepare_range(begin, end);
+  for (int k = begin; k < end && outcome.ok(); ++k) eliminate_alone(k, outcome);
+}
+
+void Factorization::eliminate_alone(int k, Outcome& outcome) {
+  if (packed_) packed_->set_alone(k);
+  if (keep_matrix_ && largest_entry_ > 0) outcome.growth = std::max(outcome.growth, largest_of(k) / largest_entry_);
+  if (factorize_pivot(k, outcome)) eliminate(k, outcome);
 }
 
 void Factorization::shift_pivot(int k) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   double* diagonal = values_.data() + p.diagonal;
-  double* reference = reference_.data() + first_row_[k];
+  const double* reference = reference_.data() + first_row_[k];
+  const bool tracked = tracks_reference(k);
   for (int i = 0; i < p.dimension; ++i) {
-    diagonal[i * (p.dimension + 1)] += saddle_shift_ * reference[i];
-    reference[i] = std::abs(reference[i]);
+    double& entry = diagonal[i * (p.dimension + 1)];
+    // Where nothing may depend, all that was added has one sign, and the diagonal is its sum.
+    entry += saddle_shift_ * (tracked ? reference[i] : entry);
   }
 }
 
@@ -168,8 +199,25 @@ void Factorization::drop_rows(int k, Outcome& outcome) {
 }
 
 bool Factorization::factorize_pivot(int k, Outcome& outcome) {
-  const Outcome before = outcome;
-  if (tracks_reference(k)) shift_pivot(k);
+  if (!in_packs()) {
+    factorize_range(0, symbolic_->pivots(), outcome);
+    total_ = outcome;
+    complete_ = keep_matrix_ && outcome.ok();
+    return outcome;
+  }
+  complete_ = false;
+  prepare_range(0, symbolic_->pivots());
+  std::fill(active_.begin(), active_.end(), char{1});
+  std::fill(outcomes_.begin(), outcomes_.end(), Outcome{});
+  factorize_steps(outcomes_);
+  for (const Outcome& part : outcomes_) {
+    outcome.dropped_rows += part.dropped_rows;
+    outcome.boosts += part.boosts;
+    outcome.operations += part.operations;
+    outcome.pivots += part.pivots;
+    outcome.growth = std::max(outcome.growth, part.growth);
+    if (outcome.ok()) outcome.first_bad_pivot = part.first_bad_pivot;
+  }
   rank_[k] = symbolic_->pivot(k).dimension;
   const bool regular = symmetric() ? factorize_pivot_symmetric(k, outcome) : factorize_pivot_any(k, outcome);
   if (!regular) outcome.first_bad_pivot = k;

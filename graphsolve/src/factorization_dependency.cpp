@@ -4,6 +4,7 @@
 #include "graphsolve/factorization.hpp"
 #include "kernels.hpp"
 #include "rank_revealing.hpp"
+#include "simd/program.hpp"
 
 /// Rows of saddle blocks that depend on earlier ones: are they really dependent, and on which?
 namespace graphsolve {
@@ -43,7 +44,8 @@ void Factorization::dependency(const DroppedRow& dropped, std::span<double> y) c
   const int k = s.position(dropped.node);
   const Symbolic::Pivot& p = s.pivot(k);
   const int d = p.dimension, row = first_row_[k];
-  const double* a = values_.data() + p.diagonal;
+  double buffer[simd::largest_factor];
+  const double* a = values_.data() + p.diagonal;  // a block that may depend is never in a pack
   double* yk = y.data() + p.row;
   // z^T (P^T L) = e_m^T with m the place where the dropped row ended; beyond the rank L is the identity.
   yk[dropped.row] = 1;
@@ -54,16 +56,17 @@ void Factorization::dependency(const DroppedRow& dropped, std::span<double> y) c
   for (int j = k - 1; j >= s.component_begin(s.component(dropped.node)); --j) {
     const Symbolic::Pivot& pj = s.pivot(j);
     double* yj = y.data() + pj.row;
-    const double* lower = values_.data() + pj.lower;
+    const auto [diagonal, lower_panel, upper_panel] = factor_of(j, buffer);
+    const double* lower = lower_panel;
     for (int e = pj.begin; e < pj.end; ++e) {
       const Symbolic::Pivot& pi = s.pivot(s.coupled_[e]);
       kernels::subtract_transposed_times_vector(yj, lower, y.data() + pi.row, pi.dimension, pj.dimension);
       lower += pi.dimension * pj.dimension;
     }
     if (rank_[j] == pj.dimension)
-      kernels::solve_block_transposed(values_.data() + pj.diagonal, row_exchange_.data() + first_row_[j], yj, pj.dimension);
+      kernels::solve_block_transposed(diagonal, row_exchange_.data() + first_row_[j], yj, pj.dimension);
     else
-      solve_rank_deficient_transposed(values_.data() + pj.diagonal, pj.dimension, rank_[j],
+      solve_rank_deficient_transposed(diagonal, pj.dimension, rank_[j],
                                       row_exchange_.data() + first_row_[j], column_exchange_.data() + first_row_[j], yj);
   }
 }

@@ -65,7 +65,7 @@ Factorization::Refinement Factorization::refine_range(std::span<const double> b,
   Refinement result{.sweeps = 0, .backward_error = residual(b, x, begin, end)};
   while (result.sweeps < max_sweeps && result.backward_error > goal) {
     each_row(begin, end, [&](int i) { correction_[i] = residual_[i]; });
-    solve_range(correction_.data(), 1, begin, end);
+    solve_pivots(correction_.data(), 1, begin, end);
     each_row(begin, end, [&](int i) { x[i] += correction_[i]; });
     const double error = residual(b, x, begin, end);
     if (!(error < result.backward_error)) {

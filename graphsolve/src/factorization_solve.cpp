@@ -6,6 +6,7 @@
 #include "graphsolve/factorization.hpp"
 #include "kernels.hpp"
 #include "rank_revealing.hpp"
+#include "simd/packed_factor.hpp"
 
 /// Solving with the factors, which have the same form for all kinds.
 namespace graphsolve {
@@ -38,40 +39,70 @@ void Factorization::solve(std::span<double> x, int columns) const {
   check_size(x, columns);
   const int rows = symbolic_->rows();
   for (int c = 0; c < columns; c += columns_at_once)
-    solve_range(x.data() + static_cast<std::ptrdiff_t>(c) * rows, std::min(columns_at_once, columns - c), 0,
-                symbolic_->pivots());
+    solve_pivots(x.data() + static_cast<std::ptrdiff_t>(c) * rows, std::min(columns_at_once, columns - c), 0,
+                 symbolic_->pivots());
 }
 
 void Factorization::solve_component(std::span<double> x, int component) const {
   check_size(x, 1);
-  solve_range(x.data(), 1, symbolic_->component_begin(component), symbolic_->component_begin(component + 1));
+  solve_pivots(x.data(), 1, symbolic_->component_begin(component), symbolic_->component_begin(component + 1));
+}
+
+void Factorization::solve_components(std::span<double> x, std::span<const int> components) const {
+  check_size(x, 1);
+  if (packed_) {
+    set_active(components);
+    solve_steps(x.data());
+  } else {
+    for (const int c : components)
+      solve_range(x.data(), 1, symbolic_->component_begin(c), symbolic_->component_begin(c + 1));
+  }
+}
+
+/// All pivots, or those of one component.
+void Factorization::solve_pivots(double* x, int columns, int begin, int end) const {
+  if (!packed_ || begin == end) return solve_range(x, columns, begin, end);
+  if (end - begin == symbolic_->pivots()) {
+    std::fill(active_.begin(), active_.end(), char{1});
+  } else {
+    const int component = symbolic_->component(symbolic_->node(begin));
+    set_active({&component, 1});
+  }
+  for (int c = 0; c < columns; ++c) solve_steps(x + static_cast<std::ptrdiff_t>(c) * symbolic_->rows());
 }
 
 void Factorization::solve_range(double* x, int columns, int begin, int end) const {
+  for (int k = begin; k < end; ++k) solve_forward(k, x, columns);
+  for (int k = end - 1; k >= begin; --k) solve_backward(k, x, columns);
+}
+
+/// x_k := D^-1 x_k, then the coupled rows lose L x_k.
+void Factorization::solve_forward(int k, double* x, int columns) const {
   const Symbolic& s = *symbolic_;
-  const double* v = values_.data();
+  const Symbolic::Pivot& p = s.pivot(k);
   const std::ptrdiff_t stride = s.rows();
-  for (int k = begin; k < end; ++k) {
-    const Symbolic::Pivot& p = s.pivot(k);
-    double* xk = x + p.row;
-    solve_diagonal(k, xk, columns, stride);
-    const double* lower = v + p.lower;
-    for (int e = p.begin; e < p.end; ++e) {
-      const Symbolic::Pivot& pi = s.pivot(s.coupled_[e]);
-      kernels::strided_kernel(pi.dimension, p.dimension)(x + pi.row, stride, lower, xk, stride, pi.dimension,
-                                                         p.dimension, columns);
-      lower += pi.dimension * p.dimension;
-    }
+  double* xk = x + p.row;
+  solve_diagonal(k, xk, columns, stride);
+  const double* lower = values_.data() + p.lower;
+  for (int e = p.begin; e < p.end; ++e) {
+    const Symbolic::Pivot& pi = s.pivot(s.coupled_[e]);
+    kernels::strided_kernel(pi.dimension, p.dimension)(x + pi.row, stride, lower, xk, stride, pi.dimension, p.dimension,
+                                                       columns);
+    lower += pi.dimension * p.dimension;
   }
-  for (int k = end - 1; k >= begin; --k) {
-    const Symbolic::Pivot& p = s.pivot(k);
-    const double* upper = v + p.upper;
-    for (int e = p.begin; e < p.end; ++e) {
-      const Symbolic::Pivot& pj = s.pivot(s.coupled_[e]);
-      kernels::strided_kernel(p.dimension, pj.dimension)(x + p.row, stride, upper, x + pj.row, stride, p.dimension,
-                                                         pj.dimension, columns);
-      upper += p.dimension * pj.dimension;
-    }
+}
+
+/// x_k loses D^-1 U times the coupled rows.
+void Factorization::solve_backward(int k, double* x, int columns) const {
+  const Symbolic& s = *symbolic_;
+  const Symbolic::Pivot& p = s.pivot(k);
+  const std::ptrdiff_t stride = s.rows();
+  const double* upper = values_.data() + p.upper;
+  for (int e = p.begin; e < p.end; ++e) {
+    const Symbolic::Pivot& pj = s.pivot(s.coupled_[e]);
+    kernels::strided_kernel(p.dimension, pj.dimension)(x + p.row, stride, upper, x + pj.row, stride, p.dimension,
+                                                       pj.dimension, columns);
+    upper += p.dimension * pj.dimension;
   }
 }
 
@@ -87,10 +118,10 @@ void Factorization::solve_transposed(std::span<double> x, int columns) const {
 
 void Factorization::solve_column_transposed(double* x) const {
   const Symbolic& s = *symbolic_;
-  const double* v = values_.data();
+  double buffer[simd::largest_factor];
   for (int k = 0; k < s.pivots(); ++k) {
     const Symbolic::Pivot& p = s.pivot(k);
-    const double* upper = v + p.upper;
+    const double* upper = factor_of(k, buffer).upper;
     for (int e = p.begin; e < p.end; ++e) {
       const Symbolic::Pivot& pj = s.pivot(s.coupled_[e]);
       kernels::subtract_transposed_times_vector(x + pj.row, upper, x + p.row, p.dimension, pj.dimension);
@@ -100,7 +131,8 @@ void Factorization::solve_column_transposed(double* x) const {
   for (int k = s.pivots() - 1; k >= 0; --k) {
     const Symbolic::Pivot& p = s.pivot(k);
     double* xk = x + p.row;
-    const double* lower = v + p.lower;
+    const PivotFactor factor = factor_of(k, buffer);
+    const double* lower = factor.lower;
     for (int e = p.begin; e < p.end; ++e) {
       const Symbolic::Pivot& pi = s.pivot(s.coupled_[e]);
       kernels::subtract_transposed_times_vector(xk, lower, x + pi.row, pi.dimension, p.dimension);
@@ -108,9 +140,9 @@ void Factorization::solve_column_transposed(double* x) const {
     }
     const int row = first_row_[k];
     if (rank_[k] == p.dimension)
-      kernels::solve_block_transposed(v + p.diagonal, row_exchange_.data() + row, xk, p.dimension);
+      kernels::solve_block_transposed(factor.diagonal, row_exchange_.data() + row, xk, p.dimension);
     else
-      solve_rank_deficient_transposed(v + p.diagonal, p.dimension, rank_[k], row_exchange_.data() + row,
+      solve_rank_deficient_transposed(factor.diagonal, p.dimension, rank_[k], row_exchange_.data() + row,
                                       column_exchange_.data() + row, xk);
   }
 }

@@ -117,9 +117,12 @@ bool InteriorPoint::factorize() {
   for (std::size_t b = 0; b < ports.size(); ++b)
     if (!port_lists_[b].running.empty()) ports[b]->condense(running(port_lists_[b]), ratio_, values);
   bool regular = true;
+  bool keep = false;
+  for (const int c : running_) keep = keep || refine_[c];
+  factorization_.keep_matrix(keep);
+  factorization_.factorize(running_, outcomes_);
   for (const int c : running_) {
-    factorization_.keep_matrix(refine_[c] != 0);
-    const auto outcome = factorization_.factorize(c);
+    const auto& outcome = outcomes_[c];
     reports_[c].dropped_rows = outcome.dropped_rows;
     if (!outcome.ok()) {
       trouble_[c] = Status::singular;
@@ -143,9 +146,10 @@ void InteriorPoint::right_hand_side() {
 void InteriorPoint::solve_linear() {
   for (const int c : running_) {
     if (refine_[c]) each_row(c, [&](int i) { rhs_[i] = dx_[i]; });
-    factorization_.solve_component(dx_, c);
-    if (refine_[c]) (void)factorization_.refine(rhs_, dx_, c, 2);
   }
+  factorization_.solve_components(dx_, running_);
+  for (const int c : running_)
+    if (refine_[c]) (void)factorization_.refine(rhs_, dx_, c, 2);
   const auto ports = problem_.ports();
   for (std::size_t b = 0; b < ports.size(); ++b) {
     if (port_lists_[b].running.empty()) continue;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "operations.hpp"
+#include "simd/program.hpp"
 
 namespace graphsolve {
 
@@ -40,22 +41,54 @@ Symbolic::Symbolic(const BlockGraph& graph, const Ordering& ordering) : rows_(gr
   find_structure(graph);
   lay_out();
   plan_updates();
+  program_ = std::make_shared<const simd::Program>(*this);
+  counts_.memory += program_->memory() + program_->factor_size() * static_cast<std::int64_t>(sizeof(double));
 }
 
 /// A saddle node is safe when a regular neighbour, across a full-row-rank edge, is eliminated before it and after
 /// all other saddle neighbours of its own: what it gets from there alone is definite.
+///
+/// It is also safe when its rows cannot be part of any dependence. Take away, one after the other, saddle nodes that
+/// are the last one left at some regular host, across a full-row-rank edge: in y^T J = 0 the columns of that host say
+/// y = 0 there, given y = 0 at those taken before. With the hosts eliminated earlier this holds for the eliminated
+/// part of J too.
 void Symbolic::find_uncertain(const BlockGraph& graph) {
+  const auto full_row = [](EdgeRank rank) { return rank == EdgeRank::full_row || rank == EdgeRank::full; };
+  std::vector<int> left(pivots(), 0), ready;  // by host: saddle neighbours not taken yet
   for (int k = 0; k < pivots(); ++k) {
     const NodeId host = pivots_[k].node;
     if (graph.kind(host) != NodeKind::regular) continue;
     int waiting = 0, guest = -1;
     for (const auto& edge : graph.edges(host)) {
-      const int i = position_[edge.to.index];
-      if (i < k || graph.kind(edge.to) != NodeKind::saddle) continue;
+      if (graph.kind(edge.to) != NodeKind::saddle) continue;
+      ++left[k];
+      if (position_[edge.to.index] < k) continue;
       ++waiting;
-      guest = edge.rank == EdgeRank::full_row || edge.rank == EdgeRank::full ? i : -1;
+      guest = full_row(edge.rank) ? position_[edge.to.index] : -1;
     }
     if (waiting == 1 && guest >= 0) pivots_[guest].may_depend = false;
+    if (left[k] == 1) ready.push_back(k);
+  }
+  std::vector<char> taken(pivots(), 0), safe(pivots(), 0);
+  while (!ready.empty()) {
+    const int k = ready.back();
+    ready.pop_back();
+    int guest = -1;
+    bool earlier_are_safe = true;
+    for (const auto& edge : graph.edges(pivots_[k].node)) {
+      const int i = position_[edge.to.index];
+      if (graph.kind(edge.to) != NodeKind::saddle) continue;
+      if (!taken[i]) guest = full_row(edge.rank) ? i : -1;
+      else earlier_are_safe &= safe[i] != 0;
+    }
+    if (guest < 0) continue;  // taken from its other side, or not known to be independent here
+    taken[guest] = 1;
+    safe[guest] = earlier_are_safe && k < guest;
+    if (safe[guest]) pivots_[guest].may_depend = false;
+    for (const auto& edge : graph.edges(pivots_[guest].node)) {
+      const int host = position_[edge.to.index];
+      if (graph.kind(edge.to) == NodeKind::regular && --left[host] == 1) ready.push_back(host);
+    }
   }
 }
 

@@ -10,6 +10,15 @@
 
 namespace graphsolve {
 
+namespace simd {
+class PackedFactor;
+struct PivotPack;
+}  // namespace simd
+
+/// Whether equal pivots of an LDU are eliminated eight at a time (SIMD, without exchanges of rows where that is sound)
+/// or all of them one by one, as in the symmetric kinds.
+enum class Packs { on, off };
+
 /// What is known of the matrix, and so how it is factored. All kinds share one Symbolic and one layout.
 ///
 /// The symmetric kinds read the lower triangle in elimination order: the lower triangle of each diagonal block and
@@ -35,6 +44,12 @@ struct Inertia {
 class Factorization {
  public:
   explicit Factorization(std::shared_ptr<const Symbolic> symbolic, FactorizationKind kind = FactorizationKind::ldu);
+  ~Factorization();
+  Factorization(Factorization&&) noexcept;
+  Factorization& operator=(Factorization&&) noexcept;
+
+  /// From the next factorization on; `on` at first.
+  void use_packs(Packs packs) { packs_ = packs; }
 
   [[nodiscard]] const Symbolic& symbolic() const { return *symbolic_; }
   [[nodiscard]] FactorizationKind kind() const { return kind_; }
@@ -78,8 +93,11 @@ class Factorization {
   /// those of a matrix nearby: call refine().
   [[nodiscard]] Outcome factorize();
   [[nodiscard]] Outcome factorize(int component);
+  /// Several components, side by side; outcomes by component, others are not touched. The numbers of a component do not
+  /// depend on which others are factored with it.
+  void factorize(std::span<const int> components, std::span<Outcome> outcomes);
 
-  /// Makes room for refactorize(), and for the kept matrix; allocates now.
+  /// Makes room for refactorize(), and for the kept matrix; allocates now. Pivots go one by one from now on.
   void allow_refactorization();
   /// A block of the kept matrix, for new numbers before refactorize().
   [[nodiscard]] double* kept_block(const BlockHandle& handle) { return matrix_.data() + handle.offset; }
@@ -95,6 +113,7 @@ class Factorization {
   /// x := A^-1 x, rows in the user's numbering; or only the rows of one component.
   void solve(std::span<double> x) const { solve(x, 1); }
   void solve_component(std::span<double> x, int component) const;
+  void solve_components(std::span<double> x, std::span<const int> components) const;
   /// X := A^-1 X, X being rows() x columns, column-major. Throws std::invalid_argument when x has another size.
   void solve(std::span<double> x, int columns) const;
   /// x := A^-T x; X := A^-T X.
@@ -126,7 +145,15 @@ class Factorization {
   void keep(int begin, int end);
   void start_reference(int k);
   void start_panel_reference(int k);
+  void prepare_range(int begin, int end);
   void factorize_range(int begin, int end, Outcome& outcome);
+  [[nodiscard]] bool in_packs() const;
+  void factorize_steps(std::span<Outcome> outcomes);
+  void eliminate_alone(int k, Outcome& outcome);
+  void count_pack(const simd::PivotPack& pack, unsigned active, std::span<Outcome> outcomes);
+  void record_watched(const simd::PivotPack& pack, unsigned active, double sign);
+  void set_active(std::span<const int> components) const;
+  [[nodiscard]] unsigned active_lanes(std::span<const int> pivots, unsigned used) const;
   bool factorize_pivot(int k, Outcome& outcome);
   void restore(int k);
   void collect_redone(std::span<const NodeId> changed);
@@ -146,6 +173,14 @@ class Factorization {
   void update(int k, int from, Outcome& outcome);
   void solve_diagonal(int k, double* x, int columns, std::ptrdiff_t stride) const;
   void solve_range(double* x, int columns, int begin, int end) const;
+  void solve_pivots(double* x, int columns, int begin, int end) const;
+  void solve_steps(double* x) const;
+  void solve_forward(int k, double* x, int columns) const;
+  void solve_backward(int k, double* x, int columns) const;
+  struct PivotFactor {
+    const double *diagonal, *lower, *upper;
+  };
+  [[nodiscard]] PivotFactor factor_of(int k, double* buffer) const;
   void solve_column_transposed(double* x) const;
   void check_size(std::span<const double> x, int columns) const;
   Refinement refine_range(std::span<const double> b, std::span<double> x, int begin, int end, int max_sweeps);
@@ -178,6 +213,11 @@ class Factorization {
   std::vector<int> queue_;
   Outcome total_;
   bool complete_ = false;
+  std::unique_ptr<simd::PackedFactor> packed_;  ///< null where the program has no packs
+  std::vector<double> before_;        ///< like reference_, while a pack is eliminated
+  std::vector<Outcome> outcomes_;     ///< by component
+  mutable std::vector<char> active_;  ///< by component: taking part in this call
+  Packs packs_ = Packs::on;
   bool keep_matrix_ = false;
   double largest_entry_ = 0;          ///< of the kept part of the matrix
   double saddle_shift_ = 0;

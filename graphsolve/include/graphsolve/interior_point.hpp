@@ -130,6 +130,7 @@ class InteriorPoint {
   std::vector<double> x_, start_, dx_, rhs_, residual_, row_scale_;
   // By component.
   std::vector<ComponentReport> reports_;
+  std::vector<Factorization::Outcome> outcomes_;
   std::vector<double> error_, previous_error_, product_, mu_, mu_floor_, alpha_, ratio_, sum_, correction_, scale_,
       tolerance_, change_, good_error_, last_alpha_, port_error_, start_error_,
       start_residual_, largest_ratio_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -8,6 +9,10 @@
 #include "graphsolve/ordering.hpp"
 
 namespace graphsolve {
+
+namespace simd {
+class Program;
+}
 
 /// Where one block of the matrix lies in the value array: column-major, `rows` x `columns`, no padding.
 struct BlockHandle {
@@ -79,6 +84,8 @@ class Symbolic {
   };
   [[nodiscard]] const Pivot& pivot(int k) const { return pivots_[k]; }
   [[nodiscard]] const std::int64_t* targets(const Pivot& p) const { return targets_.data() + p.targets; }
+  /// The same elimination, equal pivots of one level side by side (src/simd/program.hpp).
+  [[nodiscard]] const simd::Program& program() const { return *program_; }
 
  private:
   void find_uncertain(const BlockGraph& graph);
@@ -96,6 +103,7 @@ class Symbolic {
   std::int64_t values_size_ = 0;
   int rows_ = 0;
   Counts counts_;
+  std::shared_ptr<const simd::Program> program_;
 
   friend class Factorization;
 };

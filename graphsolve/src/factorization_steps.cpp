@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "graphsolve/factorization.hpp"
+#include "operations.hpp"
+#include "simd/packed_factor.hpp"
+
+/// Elimination and solves along the program: eight equal pivots at a time where there are as many.
+namespace graphsolve {
+
+void Factorization::factorize(std::span<const int> components, std::span<Outcome> outcomes) {
+  const Symbolic& s = *symbolic_;
+  set_active(components);
+  std::erase_if(dropped_, [&](const DroppedRow& d) { return active_[s.component(d.node)] != 0; });
+  for (const int c : components) outcomes[c] = {};
+  if (!in_packs()) {
+    for (const int c : components) factorize_range(s.component_begin(c), s.component_begin(c + 1), outcomes[c]);
+    return;
+  }
+  double largest = 0;
+  for (const int c : components) {
+    prepare_range(s.component_begin(c), s.component_begin(c + 1));
+    largest_entry_ = largest = std::max(largest, largest_entry_);
+  }
+  factorize_steps(outcomes);
+}
+
+bool Factorization::in_packs() const { return packed_ != nullptr && packs_ == Packs::on; }
+
+void Factorization::set_active(std::span<const int> components) const {
+  std::fill(active_.begin(), active_.end(), char{0});
+  for (const int c : components) active_[c] = 1;
+}
+
+unsigned Factorization::active_lanes(std::span<const int> pivots, unsigned used) const {
+  if (symbolic_->components() == 1) return active_[0] ? used : 0;
+  unsigned found = 0;
+  for (int l = 0; l < simd::lanes; ++l)
+    found |= static_cast<unsigned>(active_[symbolic_->component(symbolic_->node(pivots[l]))]) << l;
+  return found & used;
+}
+
+/// Outcomes by component. A component that has failed takes no further part.
+void Factorization::factorize_steps(std::span<Outcome> outcomes) {
+  const Symbolic& s = *symbolic_;
+  const simd::Program& program = s.program();
+  const auto alone = [&](int k) {
+    const int c = s.component(s.node(k));
+    if (!active_[c]) return;
+    eliminate_alone(k, outcomes[c]);
+    if (!outcomes[c].ok()) active_[c] = 0;
+  };
+  for (const auto& step : program.steps()) {
+    if (step.pack < 0) {
+      alone(step.pivot);
+      continue;
+    }
+    const simd::PivotPack& pack = program.pack(step.pack);
+    const unsigned active = active_lanes(pack.pivot, pack.used);
+    if (active == 0) continue;
+    if (pack.watched) record_watched(pack, active, -1.0);
+    const unsigned before = packed_->present(pack);
+    const unsigned pivoting = packed_->eliminate(pack, values_.data(), saddle_shift_, active);
+    if (pack.watched) record_watched(pack, active & ~pivoting, 1.0);
+    count_pack(pack, active & ~pivoting, outcomes);
+    if ((active & (pivoting | ~before)) == 0) continue;  // as usual: nothing changes its place
+    for (int l = 0; l < simd::lanes; ++l) {
+      const int k = pack.pivot[l];
+      if (pivoting >> l & 1u) {
+        alone(k);
+      } else if (active >> l & 1u) {
+        rank_[k] = s.dimension(k);
+        for (int i = 0; i < s.dimension(k); ++i) row_exchange_[first_row_[k] + i] = i;
+      }
+    }
+  }
+}
+
+void Factorization::count_pack(const simd::PivotPack& pack, unsigned active, std::span<Outcome> outcomes) {
+  const Symbolic& s = *symbolic_;
+  const simd::Shape& shape = s.program().shape(pack);
+  const std::int64_t d = shape.dimension, m = shape.coupled_rows;
+  const std::int64_t operations = lu_operations(d) + d * m * (d + m);
+  if (s.components() == 1 && !keep_matrix_) {
+    outcomes[0].operations += operations * std::popcount(active);
+    outcomes[0].pivots += std::popcount(active);
+    return;
+  }
+  for (int l = 0; l < simd::lanes; ++l) {
+    if (!(active >> l & 1u)) continue;
+    Outcome& outcome = outcomes[s.component(s.node(pack.pivot[l]))];
+    outcome.operations += operations;
+    ++outcome.pivots;
+    // The blocks of the pivot are still in the values, as the elimination met them.
+    if (keep_matrix_ && largest_entry_ > 0)
+      outcome.growth = std::max(outcome.growth, largest_of(pack.pivot[l]) / largest_entry_);
+  }
+}
+
+/// What a pack adds to the diagonals of blocks that may depend: with -1 before it, with +1 after.
+void Factorization::record_watched(const simd::PivotPack& pack, unsigned active, double sign) {
+  const Symbolic& s = *symbolic_;
+  for (int l = 0; l < simd::lanes; ++l) {
+    if (!(active >> l & 1u)) continue;
+    for (const int later : s.coupled(pack.pivot[l])) {
+      const Symbolic::Pivot& p = s.pivot(later);
+      if (!p.may_depend) continue;
+      for (int i = 0; i < p.dimension; ++i) {
+        const int row = first_row_[later] + i;
+        const double now = values_[p.diagonal + i * (p.dimension + 1)];
+        if (sign < 0) {
+          before_[row] = now;
+        } else if (const double added = now - before_[row]; std::abs(added) > std::abs(reference_[row])) {
+          reference_[row] = added;
+        }
+      }
+    }
+  }
+}
+
+void Factorization::solve_steps(double* x) const {
+  const Symbolic& s = *symbolic_;
+  const auto steps = s.program().steps();
+  const auto walk = [&](const simd::Program::Step& step, auto&& together, auto&& alone) {
+    if (step.pack < 0) {
+      if (active_[s.component(s.node(step.pivot))]) alone(step.pivot);
+      return;
+    }
+    const simd::PivotPack& pack = s.program().pack(step.pack);
+    const unsigned active = active_lanes(pack.pivot, pack.used);
+    if (active == 0) return;
+    const unsigned present = packed_->present(pack) & active;
+    if (present != 0) together(pack, present);
+    for (unsigned rest = active & ~present, l = 0; rest != 0; rest >>= 1, ++l)
+      if (rest & 1u) alone(pack.pivot[l]);
+  };
+  for (const auto& step : steps)
+    walk(step, [&](const simd::PivotPack& pack, unsigned lanes) { packed_->solve_forward(pack, x, lanes); },
+         [&](int k) { solve_forward(k, x, 1); });
+  for (auto step = steps.rbegin(); step != steps.rend(); ++step)
+    walk(*step, [&](const simd::PivotPack& pack, unsigned lanes) { packed_->solve_backward(pack, x, lanes); },
+         [&](int k) { solve_backward(k, x, 1); });
+}
+
+/// Where the factor of a pivot can be read: with the values, or copied from its pack. Its rows were not exchanged then.
+Factorization::PivotFactor Factorization::factor_of(int k, double* buffer) const {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  if (!packed_ || !packed_->packed(k))
+    return {values_.data() + p.diagonal, values_.data() + p.lower, values_.data() + p.upper};
+  packed_->copy(k, buffer);
+  const int d = p.dimension;
+  return {buffer, buffer + d * d, buffer + d * (d + p.coupled_rows)};
+}
+
+}  // namespace graphsolve

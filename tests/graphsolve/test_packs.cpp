@@ -1,0 +1,191 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <memory>
+#include <random>
+
+#include "graphsolve/factorization.hpp"
+#include "graphsolve/simd/lanes.hpp"
+#include "support/graph_families.hpp"
+
+using namespace graphsolve;
+
+namespace {
+
+/// Goes back to the best instruction set whatever the test does.
+struct KeepInstructionSet {
+  simd::InstructionSet before = simd::instruction_set();
+  ~KeepInstructionSet() { simd::use_instruction_set(before); }
+};
+
+std::shared_ptr<const Symbolic> symbolic_of(const BlockGraph& graph) {
+  return std::make_shared<const Symbolic>(graph, minimum_fill_ordering(graph));
+}
+
+Eigen::VectorXd right_hand_side(int rows) {
+  return Eigen::VectorXd::LinSpaced(rows, -1, 2).array().sin();
+}
+
+Eigen::VectorXd solution(const BlockGraph& graph, const Eigen::MatrixXd& matrix, Packs packs, bool transposed) {
+  Factorization f(symbolic_of(graph));
+  f.use_packs(packs);
+  families::load(matrix, graph, f.symbolic(), f.values());
+  EXPECT_TRUE(f.factorize().ok());
+  Eigen::VectorXd x = right_hand_side(graph.rows());
+  if (transposed) f.solve_transposed({x.data(), static_cast<std::size_t>(x.size())});
+  else f.solve({x.data(), static_cast<std::size_t>(x.size())});
+  return x;
+}
+
+std::vector<BlockGraph> graphs() {
+  std::vector<BlockGraph> list{families::balanced_tree(200), families::quadruped(), families::star(20), families::grid(6),
+                               families::ladder(40), families::loop(30)};
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    list.push_back(families::random_tree(60, seed));
+    list.push_back(families::random_with_loops(40, 8, seed));
+    list.push_back(families::control(12, seed));
+  }
+  return list;
+}
+
+}  // namespace
+
+TEST(Packs, SolveAsTheScalarPathDoesOnEveryFamilyAndInstructionSet) {
+  const KeepInstructionSet keep;
+  for (const auto set : simd::instruction_sets()) {
+    simd::use_instruction_set(set);
+    int number = 0;
+    for (const BlockGraph& graph : graphs()) {
+      SCOPED_TRACE(std::string(name(set)) + ", graph " + std::to_string(number));
+      const Eigen::MatrixXd matrix = families::dominant_matrix(graph, ++number);
+      for (const bool transposed : {false, true}) {
+        const Eigen::VectorXd scalar = solution(graph, matrix, Packs::off, transposed);
+        const Eigen::VectorXd packed = solution(graph, matrix, Packs::on, transposed);
+        EXPECT_LE((packed - scalar).norm(), 1e-12 * scalar.norm());
+      }
+    }
+  }
+}
+
+TEST(Packs, SolveSaddleSystemsAsDenseLUDoes) {
+  const KeepInstructionSet keep;
+  for (const auto set : simd::instruction_sets()) {
+    simd::use_instruction_set(set);
+    for (const BlockGraph& graph : {families::balanced_tree(40), families::quadruped(), families::star(16)}) {
+      const Eigen::MatrixXd matrix = families::saddle_matrix(graph, 5);
+      const Eigen::VectorXd exact = matrix.fullPivLu().solve(right_hand_side(graph.rows()));
+      EXPECT_LE((solution(graph, matrix, Packs::on, false) - exact).norm(), 1e-9 * exact.norm());
+    }
+  }
+}
+
+/// Diagonals that vanish need exchanges of rows, which a pack does not do: those lanes go alone, the others do not.
+TEST(Packs, LanesThatNeedExchangesOfRowsAreDoneAlone) {
+  const KeepInstructionSet keep;
+  const BlockGraph graph = families::star(24);
+  Eigen::MatrixXd matrix = families::dominant_matrix(graph, 3);
+  for (int node = 0; node < graph.size(); node += 5) {
+    const int row = graph.row({node}), d = graph.dimension({node});
+    if (d < 2) continue;
+    matrix.row(row).swap(matrix.row(row + 1));
+    matrix(row, row) = node % 2 ? 0 : 1e-14;
+  }
+  const Eigen::VectorXd exact = matrix.fullPivLu().solve(right_hand_side(graph.rows()));
+  for (const auto set : simd::instruction_sets()) {
+    simd::use_instruction_set(set);
+    EXPECT_LE((solution(graph, matrix, Packs::on, false) - exact).norm(), 1e-11 * exact.norm());
+    const Eigen::VectorXd transposed = matrix.transpose().fullPivLu().solve(right_hand_side(graph.rows()));
+    EXPECT_LE((solution(graph, matrix, Packs::on, true) - transposed).norm(), 1e-11 * transposed.norm());
+  }
+}
+
+namespace {
+
+/// Equal graphs side by side, as one graph.
+BlockGraph copies(int count) {
+  BlockGraph graph;
+  for (int c = 0; c < count; ++c) {
+    NodeId last;
+    for (int i = 0; i < 6; ++i) {
+      const NodeId node = graph.add_node("n", 6);
+      if (i > 0) {
+        const NodeId link = graph.add_node("l", 3, NodeKind::saddle);
+        graph.add_edge(link, last, EdgeRank::full_row);
+        graph.add_edge(link, node, EdgeRank::full_row);
+      }
+      last = node;
+    }
+  }
+  return graph;
+}
+
+}  // namespace
+
+TEST(Packs, ComponentDoesNotDependOnThoseFactoredWithIt) {
+  const BlockGraph graph = copies(8);
+  const Eigen::MatrixXd matrix = families::saddle_matrix(graph, 9);
+  const auto symbolic = symbolic_of(graph);
+  const auto run = [&](std::vector<int> components, bool spoil) {
+    Factorization f(symbolic);
+    families::load(matrix, graph, *symbolic, f.values());
+    if (spoil) {  // a neighbour in the same packs is not a number
+      const auto handle = symbolic->block({0}, {0});
+      f.block(handle)[0] = std::numeric_limits<double>::quiet_NaN();
+    }
+    std::vector<Factorization::Outcome> outcomes(symbolic->components());
+    f.factorize(components, outcomes);
+    EXPECT_TRUE(outcomes[3].ok());
+    if (spoil) {
+      EXPECT_EQ(symbolic->component(symbolic->node(outcomes[0].first_bad_pivot)), 0);
+    }
+    Eigen::VectorXd x = right_hand_side(graph.rows());
+    f.solve_components({x.data(), static_cast<std::size_t>(x.size())}, components);
+    Eigen::VectorXd mine(symbolic->rows());
+    int n = 0;
+    for (int k = symbolic->component_begin(3); k < symbolic->component_begin(4); ++k)
+      for (int i = 0; i < symbolic->dimension(k); ++i) mine[n++] = x[symbolic->row(k) + i];
+    mine.conservativeResize(n);
+    return mine;
+  };
+  const Eigen::VectorXd together = run({0, 1, 2, 3, 4, 5, 6, 7}, false);
+  EXPECT_EQ(together, run({3}, false));
+  EXPECT_EQ(together, run({3, 6}, false));
+  EXPECT_EQ(together, run({0, 1, 2, 3, 4, 5, 6, 7}, true));
+}
+
+TEST(Packs, ComponentFactoredAgainLeavesTheOthersUsable) {
+  const BlockGraph graph = copies(8);
+  const auto symbolic = symbolic_of(graph);
+  const Eigen::MatrixXd matrix = families::saddle_matrix(graph, 2);
+  Factorization f(symbolic);
+  families::load(matrix, graph, *symbolic, f.values());
+  ASSERT_TRUE(f.factorize().ok());
+  Eigen::VectorXd before = right_hand_side(graph.rows());
+  f.solve({before.data(), static_cast<std::size_t>(before.size())});
+  // Component 5 anew, with the same numbers.
+  Factorization fresh(symbolic);
+  families::load(matrix, graph, *symbolic, fresh.values());
+  const auto first = symbolic->pivot(symbolic->component_begin(5)).diagonal;
+  const auto last = symbolic->pivot(symbolic->component_begin(6)).diagonal;
+  std::copy(fresh.values().begin() + first, fresh.values().begin() + last, f.values().begin() + first);
+  std::vector<Factorization::Outcome> outcomes(symbolic->components());
+  const int five[] = {5};
+  f.factorize(five, outcomes);
+  Eigen::VectorXd after = right_hand_side(graph.rows());
+  f.solve({after.data(), static_cast<std::size_t>(after.size())});
+  EXPECT_EQ(before, after);
+}
+
+TEST(Packs, InstructionSetsAreNamedAndOneThatIsNotThereIsRefused) {
+  const KeepInstructionSet keep;
+  const auto sets = simd::instruction_sets();
+  ASSERT_FALSE(sets.empty());
+  EXPECT_EQ(sets.front(), simd::InstructionSet::plain);
+  for (const auto set : sets) {
+    simd::use_instruction_set(set);
+    EXPECT_EQ(simd::instruction_set(), set);
+  }
+  if (sets.back() != simd::InstructionSet::avx512) {
+    EXPECT_THROW(simd::use_instruction_set(simd::InstructionSet::avx512), std::invalid_argument);
+  }
+}
