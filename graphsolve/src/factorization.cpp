@@ -199,26 +199,12 @@ void Factorization::drop_rows(int k, Outcome& outcome) {
 }
 
 bool Factorization::factorize_pivot(int k, Outcome& outcome) {
-  if (!in_packs()) {
-    factorize_range(0, symbolic_->pivots(), outcome);
-    total_ = outcome;
-    complete_ = keep_matrix_ && outcome.ok();
-    return outcome;
-  }
-  complete_ = false;
-  prepare_range(0, symbolic_->pivots());
-  std::fill(active_.begin(), active_.end(), char{1});
-  std::fill(outcomes_.begin(), outcomes_.end(), Outcome{});
-  factorize_steps(outcomes_);
-  for (const Outcome& part : outcomes_) {
-    outcome.dropped_rows += part.dropped_rows;
-    outcome.boosts += part.boosts;
-    outcome.operations += part.operations;
-    outcome.pivots += part.pivots;
-    outcome.growth = std::max(outcome.growth, part.growth);
-    if (outcome.ok()) outcome.first_bad_pivot = part.first_bad_pivot;
-  }
-  rank_[k] = symbolic_->pivot(k).dimension;
+  const Outcome before = outcome;
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  if (p.saddle && saddle_shift_ != 0 && kind_ != FactorizationKind::cholesky) shift_pivot(k);
+  if (tracks_reference(k))
+    for (int i = 0; i < p.dimension; ++i) reference_[first_row_[k] + i] = std::abs(reference_[first_row_[k] + i]);
+  rank_[k] = p.dimension;
   const bool regular = symmetric() ? factorize_pivot_symmetric(k, outcome) : factorize_pivot_any(k, outcome);
   if (!regular) outcome.first_bad_pivot = k;
   ++outcome.pivots;

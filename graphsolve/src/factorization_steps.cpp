@@ -12,6 +12,7 @@ namespace graphsolve {
 void Factorization::factorize(std::span<const int> components, std::span<Outcome> outcomes) {
   const Symbolic& s = *symbolic_;
   set_active(components);
+  complete_ = false;
   std::erase_if(dropped_, [&](const DroppedRow& d) { return active_[s.component(d.node)] != 0; });
   for (const int c : components) outcomes[c] = {};
   if (!in_packs()) {
