@@ -37,7 +37,6 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
     largest = std::max(largest, s.dimension(k));
   }
   work_.assign(2 * largest * largest + 3 * largest, 0.0);
-  before_.assign(s.rows(), 0.0);
   outcomes_.resize(s.components());
   active_.assign(s.components(), 0);
   if (!symmetric() && s.program().packs() > 0) packed_ = std::make_unique<simd::PackedFactor>(s);
@@ -46,6 +45,13 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
 Factorization::~Factorization() = default;
 Factorization::Factorization(Factorization&&) noexcept = default;
 Factorization& Factorization::operator=(Factorization&&) noexcept = default;
+
+Factorization Factorization::twin() const {
+  Factorization other(symbolic_, kind_);
+  other.saddle_shift_ = saddle_shift_;
+  other.packs_ = packs_;
+  return other;
+}
 
 void Factorization::set_zero() { std::fill(values_.begin(), values_.end(), 0.0); }
 

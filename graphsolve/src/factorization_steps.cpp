@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <bit>
-#include <cmath>
 
 #include "graphsolve/factorization.hpp"
 #include "operations.hpp"
@@ -60,10 +59,8 @@ void Factorization::factorize_steps(std::span<Outcome> outcomes) {
     const simd::PivotPack& pack = program.pack(step.pack);
     const unsigned active = active_lanes(pack.pivot, pack.used);
     if (active == 0) continue;
-    if (pack.watched) record_watched(pack, active, -1.0);
     const unsigned before = packed_->present(pack);
     const unsigned pivoting = packed_->eliminate(pack, values_.data(), saddle_shift_, active);
-    if (pack.watched) record_watched(pack, active & ~pivoting, 1.0);
     count_pack(pack, active & ~pivoting, outcomes);
     if ((active & (pivoting | ~before)) == 0) continue;  // as usual: nothing changes its place
     for (int l = 0; l < simd::lanes; ++l) {
@@ -96,27 +93,6 @@ void Factorization::count_pack(const simd::PivotPack& pack, unsigned active, std
     // The blocks of the pivot are still in the values, as the elimination met them.
     if (keep_matrix_ && largest_entry_ > 0)
       outcome.growth = std::max(outcome.growth, largest_of(pack.pivot[l]) / largest_entry_);
-  }
-}
-
-/// What a pack adds to the diagonals of blocks that may depend: with -1 before it, with +1 after.
-void Factorization::record_watched(const simd::PivotPack& pack, unsigned active, double sign) {
-  const Symbolic& s = *symbolic_;
-  for (int l = 0; l < simd::lanes; ++l) {
-    if (!(active >> l & 1u)) continue;
-    for (const int later : s.coupled(pack.pivot[l])) {
-      const Symbolic::Pivot& p = s.pivot(later);
-      if (!p.may_depend) continue;
-      for (int i = 0; i < p.dimension; ++i) {
-        const int row = first_row_[later] + i;
-        const double now = values_[p.diagonal + i * (p.dimension + 1)];
-        if (sign < 0) {
-          before_[row] = now;
-        } else if (const double added = now - before_[row]; std::abs(added) > std::abs(reference_[row])) {
-          reference_[row] = added;
-        }
-      }
-    }
   }
 }
 

@@ -51,7 +51,7 @@ std::string_view explanation(GradientStatus status) {
 StepGradient::Impl::Impl(Simulator::Impl& owner, const GradientSettings& options)
     : simulator(owner),
       settings(options),
-      matrix(owner.solver->factorization()),
+      matrix(owner.solver->factorization().twin()),
       sensitivity(owner.bodies.size(), owner.joints.size(), owner.contacts->size_of_lane()),
       x(owner.unknowns),
       unknowns(owner.unknowns),
@@ -69,7 +69,6 @@ StepGradient::Impl::Impl(Simulator::Impl& owner, const GradientSettings& options
                                 StepInput::mass, StepInput::inertia})
     widest = std::max(widest, columns(input));
   product.resize(pass_columns, widest);
-  matrix.keep_matrix(false);
 }
 
 StepGradient::Impl::Rewound::Rewound(Impl& owner) : owner_(owner) {

@@ -48,6 +48,9 @@ class Factorization {
   Factorization(Factorization&&) noexcept;
   Factorization& operator=(Factorization&&) noexcept;
 
+  /// Another one of the same plan, kind, shift and use of packs; without numbers, and keeping no matrix.
+  [[nodiscard]] Factorization twin() const;
+
   /// From the next factorization on; `on` at first.
   void use_packs(Packs packs) { packs_ = packs; }
 
@@ -151,7 +154,6 @@ class Factorization {
   void factorize_steps(std::span<Outcome> outcomes);
   void eliminate_alone(int k, Outcome& outcome);
   void count_pack(const simd::PivotPack& pack, unsigned active, std::span<Outcome> outcomes);
-  void record_watched(const simd::PivotPack& pack, unsigned active, double sign);
   void set_active(std::span<const int> components) const;
   [[nodiscard]] unsigned active_lanes(std::span<const int> pivots, unsigned used) const;
   bool factorize_pivot(int k, Outcome& outcome);
@@ -214,7 +216,6 @@ class Factorization {
   Outcome total_;
   bool complete_ = false;
   std::unique_ptr<simd::PackedFactor> packed_;  ///< null where the program has no packs
-  std::vector<double> before_;        ///< like reference_, while a pack is eliminated
   std::vector<Outcome> outcomes_;     ///< by component
   mutable std::vector<char> active_;  ///< by component: taking part in this call
   Packs packs_ = Packs::on;

@@ -16,8 +16,11 @@ std::vector<int> levels(const Symbolic& s) {
   return level;
 }
 
-bool fits(const Symbolic::Pivot& p) {
-  return !p.may_depend && p.dimension <= largest_dimension && p.coupled_rows <= largest_front;
+/// Where rows may depend, the elimination looks at every amount by itself that is added to a diagonal.
+bool fits(const Symbolic& s, int k) {
+  const Symbolic::Pivot& p = s.pivot(k);
+  if (p.may_depend || p.dimension > largest_dimension || p.coupled_rows > largest_front) return false;
+  return std::ranges::none_of(s.coupled(k), [&](int later) { return s.pivot(later).may_depend; });
 }
 
 }  // namespace
@@ -28,7 +31,7 @@ Program::Program(const Symbolic& s) {
   std::vector<char> saddle;
   for (int k = 0; k < s.pivots(); ++k) {
     const Symbolic::Pivot& p = s.pivot(k);
-    if (!fits(p)) continue;
+    if (!fits(s, k)) continue;
     key.assign({p.dimension, p.saddle ? 1 : 0});
     for (const int later : s.coupled(k)) key.push_back(s.dimension(later));
     const auto [found, is_new] = number.try_emplace(key, static_cast<int>(shapes_.size()));
@@ -59,14 +62,11 @@ Program::Program(const Symbolic& s) {
 void Program::add_pack(const Symbolic& s, int shape, std::span<const int> pivots) {
   const Shape& form = shapes_[shape];
   PivotPack pack{.shape = shape, .used = (1u << pivots.size()) - 1, .saddle = s.pivot(pivots[0]).saddle,
-                 .watched = false, .pivot = {}, .factor = factor_size_, .rows = static_cast<int>(rows_.size())};
+                 .pivot = {}, .factor = factor_size_, .rows = static_cast<int>(rows_.size())};
   for (int l = 0; l < lanes; ++l) pack.pivot[l] = pivots[l < static_cast<int>(pivots.size()) ? l : 0];
   for (const int k : pack.pivot) rows_.push_back(s.row(k));
   for (int c = 0; c < form.couplings(); ++c)
-    for (const int k : pack.pivot) {
-      rows_.push_back(s.row(s.coupled(k)[c]));
-      pack.watched |= s.pivot(s.coupled(k)[c]).may_depend;
-    }
+    for (const int k : pack.pivot) rows_.push_back(s.row(s.coupled(k)[c]));
   factor_size_ += form.size() * lanes;
   int largest = 1;
   for (const int rows : form.coupled) largest = std::max(largest, rows);

@@ -35,7 +35,6 @@ struct PivotPack {
   int shape;
   unsigned used;                  ///< bit per lane that has a pivot
   bool saddle;                    ///< all of its pivots are saddle blocks (else none is)
-  bool watched;                   ///< some coupled block may depend: what is added to its diagonal is recorded
   std::array<int, lanes> pivot;
   std::int64_t factor;            ///< place of its factor, in doubles
   int rows;                       ///< first of lanes * (1 + couplings) entries in Program::rows
