@@ -42,6 +42,11 @@ Symbolic::Symbolic(const BlockGraph& graph, const Ordering& ordering) : rows_(gr
   lay_out();
   plan_updates();
   program_ = std::make_shared<const simd::Program>(*this);
+  for (const auto& step : program_->steps()) {
+    const Pivot& p = pivots_[step.pack < 0 ? step.pivot : program_->pack(step.pack).pivot[0]];
+    const std::int64_t d = p.dimension, m = p.coupled_rows;
+    counts_.pack_operations += lu_operations(d) + d * m * (d + m);
+  }
   counts_.memory += program_->memory() + program_->factor_size() * static_cast<std::int64_t>(sizeof(double));
 }
 
