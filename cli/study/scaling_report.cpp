@@ -46,10 +46,10 @@ std::string table(const Family& family, const std::vector<Row>& rows) {
 
 std::string differences(const Family& family, const Measured& m) {
   if (m.difference_low != m.difference_high)
-    return fmt::format("Operations of one factorization: one more of the {} costs {} to {}, NOT always the same.\n",
+    return fmt::format("Operations of one factorization without fill: one more of the {} costs {} to {}, NOT always the same.\n",
                        family.counts, m.difference_low, m.difference_high);
   return fmt::format(
-      "Operations of one factorization: one more of the {} costs exactly {}, for every {} from 2 to {}{}.\n",
+      "Operations of one factorization without fill: one more of the {} costs exactly {}, for every {} from 2 to {}{}.\n",
       family.counts, m.difference_low, family.symbol, paper_to,
       m.difference_low == 0 ? ": a contact folds into its body and is never a node" : "");
 }
