@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "baselines/baselines.hpp"
+#include "factorization_cases.hpp"
 #include "support/problem_families.hpp"
 
 namespace {
 
 using namespace families;
-
-std::span<const double> view(const Eigen::VectorXd& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
+using cases::view;
 
 /// Backward error, or -1 with the reason printed.
 double solved(baselines::Baseline& baseline, const Eigen::SparseMatrix<double>& a, const Eigen::VectorXd& b) {
@@ -18,9 +18,9 @@ double solved(baselines::Baseline& baseline, const Eigen::SparseMatrix<double>& 
   // Twice: the second time the numbers are new and the analysis is not.
   for (int time = 0; time < 2; ++time) {
     if (status.ok) status = baseline.refactor({a.valuePtr(), static_cast<std::size_t>(a.nonZeros())});
-    if (status.ok) status = baseline.solve(view(b), {x.data(), static_cast<std::size_t>(x.size())});
+    if (status.ok) status = baseline.solve(view(b), view(x));
   }
-  if (status.ok) return backward_error(a, {x.data(), static_cast<std::size_t>(x.size())}, view(b));
+  if (status.ok) return backward_error(a, view(x), view(b));
   std::printf("%s: %s\n", std::string(baseline.name()).c_str(), status.why.c_str());
   return -1;
 }

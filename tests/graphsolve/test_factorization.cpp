@@ -6,46 +6,21 @@
 #include <limits>
 #include <memory>
 
-#include "support/graph_families.hpp"
+#include "factorization_cases.hpp"
 
 namespace {
 
 using namespace graphsolve;
-
-struct Case {
-  std::string name;
-  BlockGraph graph;
-};
-
-std::vector<Case> cases() {
-  std::vector<Case> list;
-  list.push_back({"chain", families::chain(12)});
-  list.push_back({"anchored chain", families::anchored_chain(8)});
-  list.push_back({"tree", families::balanced_tree(15)});
-  list.push_back({"quadruped", families::quadruped()});
-  list.push_back({"star", families::star(9)});
-  list.push_back({"loop", families::loop(10)});
-  list.push_back({"ladder", families::ladder(12)});
-  list.push_back({"grid", families::grid(4)});
-  for (int seed = 1; seed <= 10; ++seed) {
-    list.push_back({"random tree " + std::to_string(seed), families::random_tree(14, seed)});
-    list.push_back({"random loops " + std::to_string(seed), families::random_with_loops(12, 4, seed)});
-  }
-  return list;
-}
+using cases::relative;
+using cases::right_hand_side;
+using cases::view;
 
 std::vector<Ordering> orderings(const BlockGraph& graph) {
   return {natural_ordering(graph), depth_first_ordering(graph), minimum_fill_ordering(graph)};
 }
 
-Eigen::VectorXd right_hand_side(Eigen::Index n) {
-  return Eigen::VectorXd::NullaryExpr(n, [](Eigen::Index i) { return std::cos(1.7 * static_cast<double>(i) + 0.3); });
-}
-
-double relative(const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return (a - b).norm() / b.norm(); }
-
 TEST(Factorization, SolvesAndSolvesTransposedLikeDenseEigenOnEveryFamilyAndOrder) {
-  for (const auto& [name, graph] : cases())
+  for (const auto& [name, graph] : cases::all())
     for (const bool saddle : {true, false}) {
       const Eigen::MatrixXd a = saddle ? families::saddle_matrix(graph, 7) : families::dominant_matrix(graph, 7);
       const Eigen::PartialPivLU<Eigen::MatrixXd> dense(a);
@@ -57,8 +32,8 @@ TEST(Factorization, SolvesAndSolvesTransposedLikeDenseEigenOnEveryFamilyAndOrder
         ASSERT_TRUE(outcome.ok()) << name;
         ASSERT_EQ(outcome.dropped_rows, 0) << name;
         Eigen::VectorXd x = b, y = b;
-        f.solve({x.data(), static_cast<std::size_t>(x.size())});
-        f.solve_transposed({y.data(), static_cast<std::size_t>(y.size())});
+        f.solve(view(x));
+        f.solve_transposed(view(y));
         EXPECT_LE(relative(x, dense.solve(b)), 1e-9) << name;
         EXPECT_LE(relative(y, dense.transpose().solve(b)), 1e-9) << name;
       }
@@ -66,7 +41,7 @@ TEST(Factorization, SolvesAndSolvesTransposedLikeDenseEigenOnEveryFamilyAndOrder
 }
 
 TEST(Factorization, RefinementReachesComponentwiseBackwardErrorNearRounding) {
-  for (const auto& [name, graph] : cases()) {
+  for (const auto& [name, graph] : cases::all()) {
     const Eigen::MatrixXd a = families::saddle_matrix(graph, 11);
     const Eigen::VectorXd b = right_hand_side(a.rows());
     Factorization f(std::make_shared<const Symbolic>(graph, minimum_fill_ordering(graph)));
@@ -75,8 +50,8 @@ TEST(Factorization, RefinementReachesComponentwiseBackwardErrorNearRounding) {
     families::load(a, graph, f.symbolic(), f.values());
     ASSERT_TRUE(f.factorize().ok());
     Eigen::VectorXd x = b;
-    f.solve({x.data(), static_cast<std::size_t>(x.size())});
-    const auto refined = f.refine({b.data(), static_cast<std::size_t>(b.size())}, {x.data(), static_cast<std::size_t>(x.size())});
+    f.solve(view(x));
+    const auto refined = f.refine(view(b), view(x));
     const Eigen::VectorXd scale = a.cwiseAbs() * x.cwiseAbs() + b.cwiseAbs();
     const double error = ((a * x - b).cwiseAbs().array() / scale.array()).maxCoeff();
     EXPECT_LE(refined.backward_error, 1e-15) << name;
@@ -94,10 +69,9 @@ TEST(Factorization, BackwardErrorIsNaNWhereverTheRightHandSideHoldsANaN) {
   ASSERT_TRUE(f.factorize().ok());
   for (Eigen::Index i = 0; i < a.rows(); ++i) {
     Eigen::VectorXd b = right_hand_side(a.rows()), x = b;
-    f.solve({x.data(), static_cast<std::size_t>(x.size())});
+    f.solve(view(x));
     b[i] = NAN;
-    EXPECT_TRUE(std::isnan(f.refine({b.data(), static_cast<std::size_t>(b.size())},
-                                    {x.data(), static_cast<std::size_t>(x.size())}).backward_error)) << i;
+    EXPECT_TRUE(std::isnan(f.refine(view(b), view(x)).backward_error)) << i;
   }
 }
 
@@ -114,7 +88,7 @@ TEST(Factorization, ComponentsAreIndependent) {
   ASSERT_TRUE(f.factorize(1).ok());
   Eigen::VectorXd x = right_hand_side(a.rows());
   const Eigen::VectorXd b = x;
-  f.solve_component({x.data(), static_cast<std::size_t>(x.size())}, 1);
+  f.solve_component(view(x), 1);
   EXPECT_EQ(x.head(5), b.head(5)) << "component 0 was touched";
   EXPECT_LE(relative(x.tail(5), a.bottomRightCorner(5, 5).lu().solve(b.tail(5))), 1e-12);
 }

@@ -4,11 +4,13 @@
 #include <memory>
 #include <random>
 
+#include "factorization_cases.hpp"
 #include "graphsolve/factorization.hpp"
 #include "graphsolve/simd/lanes.hpp"
-#include "support/graph_families.hpp"
 
 using namespace graphsolve;
+using cases::right_hand_side;
+using cases::view;
 
 namespace {
 
@@ -22,18 +24,14 @@ std::shared_ptr<const Symbolic> symbolic_of(const BlockGraph& graph) {
   return std::make_shared<const Symbolic>(graph, minimum_fill_ordering(graph));
 }
 
-Eigen::VectorXd right_hand_side(int rows) {
-  return Eigen::VectorXd::LinSpaced(rows, -1, 2).array().sin();
-}
-
 Eigen::VectorXd solution(const BlockGraph& graph, const Eigen::MatrixXd& matrix, Packs packs, bool transposed) {
   Factorization f(symbolic_of(graph));
   f.use_packs(packs);
   families::load(matrix, graph, f.symbolic(), f.values());
   EXPECT_TRUE(f.factorize().ok());
   Eigen::VectorXd x = right_hand_side(graph.rows());
-  if (transposed) f.solve_transposed({x.data(), static_cast<std::size_t>(x.size())});
-  else f.solve({x.data(), static_cast<std::size_t>(x.size())});
+  if (transposed) f.solve_transposed(view(x));
+  else f.solve(view(x));
   return x;
 }
 
@@ -139,7 +137,7 @@ TEST(Packs, ComponentDoesNotDependOnThoseFactoredWithIt) {
       EXPECT_EQ(symbolic->component(symbolic->node(outcomes[0].first_bad_pivot)), 0);
     }
     Eigen::VectorXd x = right_hand_side(graph.rows());
-    f.solve_components({x.data(), static_cast<std::size_t>(x.size())}, components);
+    f.solve_components(view(x), components);
     Eigen::VectorXd mine(symbolic->rows());
     int n = 0;
     for (int k = symbolic->component_begin(3); k < symbolic->component_begin(4); ++k)
@@ -161,7 +159,7 @@ TEST(Packs, ComponentFactoredAgainLeavesTheOthersUsable) {
   families::load(matrix, graph, *symbolic, f.values());
   ASSERT_TRUE(f.factorize().ok());
   Eigen::VectorXd before = right_hand_side(graph.rows());
-  f.solve({before.data(), static_cast<std::size_t>(before.size())});
+  f.solve(view(before));
   // Component 5 anew, with the same numbers.
   Factorization fresh(symbolic);
   families::load(matrix, graph, *symbolic, fresh.values());
@@ -172,7 +170,7 @@ TEST(Packs, ComponentFactoredAgainLeavesTheOthersUsable) {
   const int five[] = {5};
   f.factorize(five, outcomes);
   Eigen::VectorXd after = right_hand_side(graph.rows());
-  f.solve({after.data(), static_cast<std::size_t>(after.size())});
+  f.solve(view(after));
   EXPECT_EQ(before, after);
 }
 

@@ -3,12 +3,13 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
-#include "support/graph_families.hpp"
+#include "factorization_cases.hpp"
 #include "support/problem_families.hpp"
 
 namespace {
 
 using namespace families;
+using cases::view;
 
 std::vector<Spec> specs(int n) {
   std::vector<Spec> list;
@@ -19,8 +20,6 @@ std::vector<Spec> specs(int n) {
           list.push_back({.family = family, .n = n, .leaves = leaves, .difficulty = difficulty, .values = values});
   return list;
 }
-
-std::span<const double> view(const Eigen::VectorXd& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
 
 TEST(ProblemFamilies, EveryEntryLiesInABlockOfTheGraphAndEqualSpecsGiveEqualBits) {
   for (const Spec& spec : specs(9)) {

@@ -5,16 +5,15 @@
 #include <cmath>
 #include <limits>
 
+#include "factorization_cases.hpp"
 #include "graphsolve/diagnosis.hpp"
 #include "support/problem_families.hpp"
 
 namespace {
 
 using namespace graphsolve;
+using cases::view;
 using families::Problem;
-
-std::span<const double> view(const Eigen::VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
-std::span<double> view(Eigen::VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
 RobustSolver loaded(const Problem& problem, RobustSolver::Options options) {
   RobustSolver solver(problem.graph, std::move(options));
