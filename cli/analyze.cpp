@@ -30,7 +30,7 @@ constexpr const char* footer = R"(Examples:
 
 Nothing is factored: all figures are predictions that the factorization keeps. With all orderings, pictures and the
 attribution of fill are those of the ordering of fewest operations. --dot also writes the elimination tree, beside
-the graph: graph.dot and graph-tree.dot.
+the graph: graph.dot and graph-tree.dot. How to read all this: docs/ordering_and_fill.md.
 
 Exit code: 0 analyzed, 2 wrong input or a file that cannot be read or written.)";
 

@@ -206,6 +206,8 @@ std::string describe(const Spec& spec) {
   return text;
 }
 
+BlockGraph make_graph(const Spec& spec) { return structure_of(spec).graph; }
+
 Problem make_problem(const Spec& spec) {
   Structure structure = structure_of(spec);
   Problem problem;

@@ -59,6 +59,9 @@ struct Problem {
 /// Equal specs give equal bits.
 Problem make_problem(const Spec& spec);
 
+/// The graph of make_problem, without numbers.
+graphsolve::BlockGraph make_graph(const Spec& spec);
+
 /// `copies` disjoint systems as one graph, copy after copy.
 Problem repeated(const Problem& problem, int copies);
 
