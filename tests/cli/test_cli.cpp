@@ -1,104 +1,33 @@
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <chrono>
-#include <csignal>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
-#include <thread>
 
 #include "physics/scene_io.hpp"
 #include "physics/scenes.hpp"
+#include "program.hpp"
 
-// The program as a shell sees it: exit codes, what it prints, what it leaves behind.
+// `simulate` and what all commands share.
 
 namespace {
 
 namespace fs = std::filesystem;
 using physics::read_scene;
 
-struct Outcome {
-  int code = -1;
-  std::string out, err;
-};
-
-/// Every test works in an empty folder of its own.
-class Cli : public testing::Test {
+class Cli : public Program {
  protected:
-  void SetUp() override {
-    const std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
-    folder_ = fs::path(testing::TempDir()) / ("graphsolve_cli_" + name);
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  [[nodiscard]] std::string text(const std::string& name) const {
-    std::ostringstream out;
-    out << std::ifstream(path(name)).rdbuf();
-    return out.str();
-  }
-  void write(const std::string& name, const std::string& content) const { std::ofstream(path(name)) << content; }
-
-  [[nodiscard]] Outcome run(const std::string& arguments) const {
-    const std::string command = "cd '" + folder_.string() + "' && '" GRAPHSOLVE_CLI "' " + arguments + " >.out 2>.err";
-    const int status = std::system(command.c_str());
-    Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : -1, text(".out"), text(".err")};
-    fs::remove(path(".out"));
-    fs::remove(path(".err"));
-    return outcome;
-  }
-
-  /// Wrong input: exit code 2, one line on stderr, nothing on stdout, nothing new in the folder.
-  [[nodiscard]] std::string refused(const std::string& arguments) const {
-    const auto before = entries();
-    const Outcome outcome = run(arguments);
-    EXPECT_EQ(outcome.code, 2) << arguments;
-    EXPECT_EQ(outcome.out, "") << arguments;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-    EXPECT_EQ(entries(), before) << arguments;
-    return outcome.err;
-  }
-
-  [[nodiscard]] std::vector<std::string> entries() const {
-    std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(folder_)) names.push_back(entry.path().filename());
-    return names;
-  }
-
-  /// Starts the program, sends the signal once it is stepping, and waits for its end.
-  [[nodiscard]] Outcome run_and_signal(const std::vector<std::string>& arguments, int signal) const {
-    const pid_t child = fork();
-    if (child == 0) {
-      std::vector<char*> argv{const_cast<char*>(GRAPHSOLVE_CLI)};
-      for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
-      argv.push_back(nullptr);
-      if (chdir(folder_.c_str()) != 0) _exit(99);
-      if (!freopen(".out", "w", stdout) || !freopen(".err", "w", stderr)) _exit(99);
-      execv(GRAPHSOLVE_CLI, argv.data());
-      _exit(99);
-    }
+  /// Sends the signal once the program is stepping, and waits for its end.
+  [[nodiscard]] Outcome run_and_signal(const std::string& arguments, int signal) const {
     // The unfinished file appears just before the first step.
     const auto running = [&] {
       for (const std::string& name : entries())
-        if (name.ends_with(".part")) return true;
+        if (name.ends_with(".part")) {
+          std::this_thread::sleep_for(std::chrono::milliseconds(200));
+          return true;
+        }
       return false;
     };
-    for (int i = 0; i < 1000 && !running(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
-    kill(child, signal);
-    int status = 0;
-    waitpid(child, &status, 0);
+    const int status = signal_amid(arguments, signal, running);
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text(".out"), text(".err")};
   }
-
-  fs::path folder_;
 };
 
 constexpr const char* failing_scene = R"(
@@ -251,7 +180,7 @@ TEST_F(Cli, AFullDiskIsSaidAndGivesCodeTwo) {
 TEST_F(Cli, AnInterruptedRunKeepsWhatItHasAndSaysSo) {
   for (const int signal : {SIGINT, SIGTERM}) {
     const Outcome outcome =
-        run_and_signal({"simulate", "snake:n=50", "--duration", "100000", "--out", "t.json"}, signal);
+        run_and_signal("simulate snake:n=50 --duration 100000 --out t.json", signal);
     EXPECT_EQ(outcome.code, 128 + signal);
     EXPECT_NE(outcome.err.find("stopped after step"), std::string::npos) << outcome.err;
     const auto trajectory = read_scene(path("t.json"));

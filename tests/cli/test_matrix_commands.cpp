@@ -1,17 +1,10 @@
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "graphsolve/io/matrix_market.hpp"
+#include "program.hpp"
 
 // `analyze` and `solve` as a shell sees them.
 
@@ -22,48 +15,12 @@ using graphsolve::SparseMatrix;
 using graphsolve::Triplet;
 namespace io = graphsolve::io;
 
-struct Outcome {
-  int code = -1;
-  std::string out, err;
-};
-
-/// Every test works in an empty folder of its own.
-class MatrixCommand : public testing::Test {
+class MatrixCommand : public Program {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              (std::string("graphsolve_matrix_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  [[nodiscard]] std::string text(const std::string& name) const {
-    std::ostringstream out;
-    out << std::ifstream(folder_ / name).rdbuf();
-    return out.str();
-  }
-  void write(const std::string& name, const std::string& content) const { std::ofstream(folder_ / name) << content; }
+  using Program::write;
   void write(const std::string& name, int n, const std::vector<Triplet>& triplets) const {
     write(name, io::matrix_market(graphsolve::from_triplets(n, n, triplets)));
   }
-  [[nodiscard]] Outcome run(const std::string& arguments) const {
-    const std::string command = "cd '" + folder_.string() + "' && '" GRAPHSOLVE_CLI "' " + arguments + " >.out 2>.err";
-    const int status = std::system(command.c_str());
-    Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : -1, text(".out"), text(".err")};
-    fs::remove(folder_ / ".out");
-    fs::remove(folder_ / ".err");
-    return outcome;
-  }
-  [[nodiscard]] std::string refused(const std::string& arguments) const {
-    const Outcome outcome = run(arguments);
-    EXPECT_EQ(outcome.code, 2) << arguments << outcome.err;
-    EXPECT_EQ(outcome.out, "") << arguments;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-    return outcome.err;
-  }
-
-  fs::path folder_;
 };
 
 /// A ring of n rows, symmetric and positive definite; without the closing link a chain.

@@ -1,22 +1,11 @@
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <algorithm>
-#include <chrono>
-#include <csignal>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "physics/scene_io.hpp"
 #include "physics/scenes.hpp"
+#include "program.hpp"
 
 // `graphsolve rollout`: the same bytes for any threads, lanes and shards, after a kill, and by MPI.
 
@@ -25,38 +14,20 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-class Rollout : public testing::Test {
+class Rollout : public Program {
  protected:
-  void SetUp() override {
-    const std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
-    folder_ = fs::path(testing::TempDir()) / ("graphsolve_rollout_" + name);
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  [[nodiscard]] std::string text(const std::string& name) const {
-    std::ostringstream out;
-    out << std::ifstream(path(name), std::ios::binary).rdbuf();
-    return out.str();
-  }
   [[nodiscard]] std::vector<json> lines(const std::string& name) const {
     std::vector<json> result;
     std::istringstream in(text(name));
     for (std::string line; std::getline(in, line);) result.push_back(json::parse(line));
     return result;
   }
-  /// Exit code; stdout and stderr go to out_ and err_.
+  /// Exit code; what it prints goes to out_ and err_.
   int run(const std::string& arguments, const std::string& before = "") {
-    const std::string command =
-        "cd '" + folder_.string() + "' && " + before + " '" GRAPHSOLVE_CLI "' rollout " + arguments + " >.out 2>.err";
-    const int status = std::system(command.c_str());
-    out_ = text(".out");
-    err_ = text(".err");
-    fs::remove(path(".out"));
-    fs::remove(path(".err"));
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    const Outcome outcome = Program::run("rollout " + arguments, before);
+    out_ = outcome.out;
+    err_ = outcome.err;
+    return outcome.code;
   }
 
   [[nodiscard]] std::uintmax_t size(const std::string& name) const {
@@ -65,21 +36,10 @@ class Rollout : public testing::Test {
     return none ? 0 : bytes;
   }
   /// Sends a signal when the file has some records, and waits for the end.
-  int signal_amid(const std::string& arguments, const std::string& file, int signal) {
-    const pid_t child = fork();
-    if (child == 0) {
-      if (chdir(folder_.c_str()) != 0 || !freopen("/dev/null", "w", stdout) || !freopen("/dev/null", "w", stderr)) _exit(3);
-      execl("/bin/sh", "sh", "-c", ("exec '" GRAPHSOLVE_CLI "' rollout " + arguments).c_str(), nullptr);
-      _exit(3);
-    }
-    for (int i = 0; i < 20000 && size(file) < 30000; ++i) std::this_thread::sleep_for(std::chrono::microseconds(500));
-    kill(child, signal);
-    int status = 0;
-    waitpid(child, &status, 0);
-    return status;
+  [[nodiscard]] int signal_amid(const std::string& arguments, const std::string& file, int signal) const {
+    return Program::signal_amid("rollout " + arguments, signal, [&] { return size(file) >= 30000; });
   }
 
-  fs::path folder_;
   std::string out_, err_;
 };
 

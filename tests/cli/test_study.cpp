@@ -1,17 +1,11 @@
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <vector>
 
+#include "program.hpp"
 #include "study/fit.hpp"
 #include "study/measure.hpp"
 #include "study/plot.hpp"
@@ -105,50 +99,37 @@ TEST(StudyPlot, TextIsQuotedAndPointsThatHaveNoLogarithmAreLeftOut) {
   EXPECT_NE(script.find("<< EOD\n1 0.5\nEOD\n"), std::string::npos) << script;
 }
 
-/// Runs the program in an empty folder.
-class StudyProgram : public testing::Test {
+class StudyProgram : public Program {
  protected:
-  void SetUp() override {
-    const std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
-    folder_ = fs::path(testing::TempDir()) / ("graphsolve_study_" + name);
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  [[nodiscard]] std::string text(const std::string& name) const {
-    std::ostringstream out;
-    out << std::ifstream(folder_ / name).rdbuf();
-    return out.str();
-  }
-  [[nodiscard]] int run(const std::string& arguments, const std::string& before = "") const {
-    const std::string command =
-        "cd '" + folder_.string() + "' && " + before + " '" GRAPHSOLVE_CLI "' study " + arguments + " >.out 2>.err";
-    const int status = std::system(command.c_str());
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  /// Exit code; what it prints goes to out_ and err_.
+  int run(const std::string& arguments, const std::string& before = "") {
+    const Outcome outcome = Program::run("study " + arguments, before);
+    out_ = outcome.out;
+    err_ = outcome.err;
+    return outcome.code;
   }
 
-  fs::path folder_;
+  std::string out_, err_;
 };
 
 TEST_F(StudyProgram, AnUnknownStudyIsRefusedWithTheKnownOnesAndNothingIsWritten) {
   EXPECT_EQ(run("scaling speed --out there"), 2);
-  EXPECT_EQ(text(".err"), "graphsolve: there is no study 'speed'; there are: scaling, precision\n");
-  EXPECT_EQ(text(".out"), "");
+  EXPECT_EQ(err_, "graphsolve: there is no study 'speed'; there are: scaling, precision\n");
+  EXPECT_EQ(out_, "");
   EXPECT_FALSE(fs::exists(folder_ / "there"));
 }
 
 TEST_F(StudyProgram, AFolderThatCannotBeMadeIsRefusedBeforeAnythingIsMeasured) {
   std::ofstream(folder_ / "file") << "";
   EXPECT_EQ(run("scaling --quick --out file/there"), 2);
-  EXPECT_EQ(text(".out"), "");
-  EXPECT_NE(text(".err").find("file/there"), std::string::npos);
+  EXPECT_EQ(out_, "");
+  EXPECT_NE(err_.find("file/there"), std::string::npos);
 }
 
 TEST_F(StudyProgram, ScalingFindsNoFailedStepAndOneMoreLinkAlwaysCostsTheSameOperations) {
   // Without gnuplot on the path there is one sentence, and everything else.
-  ASSERT_EQ(run("scaling --quick --out out", "PATH=/nowhere"), 0) << text(".err");
-  const std::string error = text(".err");
+  ASSERT_EQ(run("scaling --quick --out out", "PATH=/nowhere"), 0) << err_;
+  const std::string error = err_;
   EXPECT_EQ(std::count(error.begin(), error.end(), '\n'), 1) << error;
   const auto data = nlohmann::json::parse(text("out/scaling.json"));
   EXPECT_TRUE(data["quick"]);
