@@ -1,7 +1,11 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <exception>
 #include <new>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -28,6 +32,12 @@ int fail(const char* sentence) {
   return cli::wrong_input;
 }
 
+/// CLI11 would only say that a command is missing.
+bool is_unknown_command(const std::vector<CLI::App*>& names, const std::string& word) {
+  return !word.starts_with('-') &&
+         std::none_of(names.begin(), names.end(), [&](const CLI::App* name) { return name->get_name() == word; });
+}
+
 int run(const cli::Command& command) {
   try {
     return command();
@@ -35,6 +45,8 @@ int run(const cli::Command& command) {
     return fail(error.what());
   } catch (const std::bad_alloc&) {
     return fail("not enough memory for this scene or matrix");
+  } catch (const std::exception& error) {  // from the file system, or a list longer than can be
+    return fail(error.what());
   }
 }
 
@@ -51,6 +63,11 @@ int main(int argc, char** argv) {
   std::vector<cli::Command> commands{cli::add_simulate(program), cli::add_rollout(program), cli::add_scenes(program),
                                      cli::add_study(program),    cli::add_analyze(program), cli::add_solve(program)};
   const std::vector<CLI::App*> names = program.get_subcommands([](const CLI::App*) { return true; });
+  if (argc > 1 && is_unknown_command(names, argv[1])) {
+    std::vector<std::string> known;
+    for (const CLI::App* name : names) known.push_back(name->get_name());
+    return fail(fmt::format("there is no command '{}'; there are: {}", argv[1], fmt::join(known, ", ")).c_str());
+  }
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

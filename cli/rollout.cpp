@@ -5,11 +5,13 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 
 #include "commands.hpp"
 #include "interrupt.hpp"
+#include "options.hpp"
 #include "physics/batch_run.hpp"
 #include "physics/batch_variation.hpp"
 #include "progress.hpp"
@@ -22,6 +24,8 @@ namespace cli {
 using physics::DescriptionError;
 
 namespace {
+
+constexpr long long most_copies = 1'000'000'000'000;  ///< times the number of shards still fits
 
 struct Options {
   std::string scene, out, shard;
@@ -59,23 +63,26 @@ void add_options(CLI::App& command, Options& options) {
   const auto add = [&](const char* group, const char* name, auto& value, const char* type, const char* help) {
     return command.add_option(name, value, help)->type_name(type)->group(group);
   };
-  const auto at_least = [](long long least) {
+  const auto at_least = [](long long least, long long most = std::numeric_limits<long long>::max()) {
     return CLI::Validator(
-        [least](const std::string& text) {
+        [=](const std::string& text) {
           long long value = 0;
-          const bool fine = CLI::detail::lexical_cast(text, value) && value >= least;
-          return fine ? std::string() : fmt::format("must be a whole number >= {}, not {}", least, text);
+          if (!CLI::detail::lexical_cast(text, value) || value < least)
+            return fmt::format("must be a whole number >= {}, not {}", least, text);
+          return value <= most ? std::string() : fmt::format("must not be above {}", most);
         },
         "");
   };
   command.add_option("SCENE", options.scene, "A .json or .toml file, or a built-in scene with parameters")->type_name("");
-  add("Work", "--copies", options.copies, "K", "Number of copies")->check(at_least(1));
+  add("Work", "--copies", options.copies, "K", "Number of copies")->check(at_least(1, most_copies));
   add("Work", "--steps", options.steps, "N", "Steps of each copy")->check(at_least(1));
   add("Work", "--vary", options.vary, "KEY=LOW:HIGH", "A number that differs between copies; may be repeated")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  add("Work", "--seed", options.seed, "S", "Of the random numbers")->capture_default_str();
-  add("Work", "--tolerance", options.tolerance, "T", "Residual at which a step is accepted [m/s]")->capture_default_str();
+  add("Work", "--seed", options.seed, "S", "Of the random numbers")->check(at_least_zero())->capture_default_str();
+  add("Work", "--tolerance", options.tolerance, "T", "Residual at which a step is accepted [m/s]")
+      ->check(positive())
+      ->capture_default_str();
   add("Machine", "--threads", options.threads, "T", "Threads of this process")->check(at_least(1))->capture_default_str();
   add("Machine", "--lanes", options.lanes, "L", "Copies that a thread steps together; multiples of 8 are best")
       ->check(at_least(1))
@@ -162,7 +169,12 @@ Part run_shard(const Options& options, const RolloutRequest& request, const Shar
     progress.update(static_cast<int>(due - first));
     return interrupt() == 0;
   };
-  physics::run_batch(request.mechanism, run);
+  try {
+    physics::run_batch(request.mechanism, run);
+  } catch (...) {
+    if (file) file->abandon();
+    throw;
+  }
   if (file) file->flush();
   part.complete = due == last;
   return part;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
+#include <type_traits>
 
 #include "physics/scene_io.hpp"
 
@@ -34,6 +35,15 @@ Json parse(const std::string& line, const std::string& where) {
   Json json = Json::parse(line, nullptr, false);
   if (!json.is_object()) throw DescriptionError(fmt::format("{}: is not a line of a rollout", where));
   return json;
+}
+
+/// The value of a key that has to be there and of this type.
+template <class Value>
+Value get(const Json& json, const char* key, const std::string& where) {
+  const auto found = json.find(key);
+  const bool fits = found != json.end() && (std::is_same_v<Value, std::string> ? found->is_string() : found->is_number_integer());
+  if (!fits) throw DescriptionError(fmt::format("{}: is not a line of a rollout (its key '{}')", where, key));
+  return found->get<Value>();
 }
 
 /// Two headers that should be equal.
@@ -68,8 +78,10 @@ long long read_records(Lines& lines, long long first, const std::string& path, T
     if (!lines.next(line)) return copy;
     if (!line.starts_with(fmt::format("{{\"copy\":{},", copy)))
       throw DescriptionError(fmt::format("{}:{}: is not the record of copy {}", path, copy - first + 2, copy));
-    const Json record = parse(line, fmt::format("{}:{}", path, copy - first + 2));
-    tally.add({copy, record.value("steps", 0), record.value("status", ""), record.value("place", "")});
+    const std::string where = fmt::format("{}:{}", path, copy - first + 2);
+    const Json record = parse(line, where);
+    tally.add({copy, get<int>(record, "steps", where), get<std::string>(record, "status", where),
+               record.contains("place") ? get<std::string>(record, "place", where) : ""});
   }
 }
 
@@ -142,6 +154,10 @@ void Tally::add(const Outcome& outcome) {
 RolloutFile::RolloutFile(const std::string& path, const RolloutRequest& request, const Shard& shard)
     : path_(path), next_(shard.first(request.copies)) {
   const std::string header = rollout_header(request, shard);
+  std::error_code error;
+  if (std::filesystem::exists(path, error) && !std::filesystem::is_directory(path, error) &&
+      !std::filesystem::is_regular_file(path, error))
+    throw DescriptionError(fmt::format("cannot write '{}': only an ordinary file can be continued", path));
   Lines lines(path);
   std::string line;
   const bool begun = lines.in && lines.next(line);
@@ -156,12 +172,19 @@ RolloutFile::RolloutFile(const std::string& path, const RolloutRequest& request,
   if (begun) std::filesystem::resize_file(path, lines.size);
   else physics::check_writable(path);
   out_.open(path, std::ios::binary | (begun ? std::ios::app : std::ios::trunc));
+  is_new_ = !begun;
   if (!begun) out_ << header << '\n';
   flush();
 }
 
+void RolloutFile::abandon() {
+  std::error_code error;
+  if (is_new_) std::filesystem::remove(path_, error);
+}
+
 void RolloutFile::add(const std::string& record) {
   out_ << record << '\n';
+  is_new_ = false;
   ++next_;
   if (++unflushed_ >= flush_after) flush();
 }
@@ -185,7 +208,7 @@ Tally merge_rollouts(const std::vector<std::string>& parts, const std::string& o
     if (!lines.next(line)) throw DescriptionError(fmt::format("{}: is not a file of a rollout", path));
     Json header = parse(line, path + ":1");
     Shard shard;
-    if (std::sscanf(header.value("shard", "").c_str(), "%d/%d", &shard.index, &shard.count) != 2 || shard.count < 1)
+    if (std::sscanf(get<std::string>(header, "shard", path + ":1").c_str(), "%d/%d", &shard.index, &shard.count) != 2 || shard.count < 1)
       throw DescriptionError(fmt::format("{}: is not a file of a rollout", path));
     header["shard"] = "0/1";
     if (found.empty()) common = header;
@@ -199,7 +222,7 @@ Tally merge_rollouts(const std::vector<std::string>& parts, const std::string& o
       throw DescriptionError(fmt::format("shard {}/{} is missing, or there twice", i, count));
   if (static_cast<int>(found.size()) != count) throw DescriptionError("shards are there twice");
 
-  const long long copies = common.value("copies", 0LL);
+  const auto copies = get<long long>(common, "copies", found.front().path + ":1");
   Tally tally;
   std::ostringstream text;
   text << common.dump() << '\n';

@@ -62,6 +62,8 @@ class RolloutFile {
   /// The record of the copy that is due. Throws DescriptionError on a full disk, for example.
   void add(const std::string& record);
   void flush();
+  /// After wrong input: removes the file when it was made here and has no record yet.
+  void abandon();
 
  private:
   std::string path_;
@@ -69,6 +71,7 @@ class RolloutFile {
   long long next_;
   Tally tally_;
   int unflushed_ = 0;
+  bool is_new_ = false;
 };
 
 /// Puts the files of all shards, in any order, into one with the bytes that a run without shards writes. Throws

@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "interrupt.hpp"
+#include "options.hpp"
 #include "physics/run.hpp"
 #include "physics/scene_io.hpp"
 #include "progress.hpp"
@@ -40,19 +41,6 @@ is interrupted (Ctrl-C) keeps what it has: the trajectory so far is written and 
 Exit code: 0 all steps solved, 1 a step failed, 2 wrong input or a file that cannot be read or written,
 130 or 143 stopped by SIGINT or SIGTERM.)";
 
-/// With sentences of its own, and nothing added to the help.
-CLI::Validator at_least_zero() {
-  return {[](const std::string& text) { return text.starts_with('-') ? "must be >= 0, not " + text : std::string(); },
-          ""};
-}
-CLI::Validator positive() {
-  const auto check = [](const std::string& text) {
-    double value = 0;
-    const bool fine = CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value);
-    return fine ? std::string() : "must be a number > 0, not " + text;
-  };
-  return {check, ""};
-}
 CLI::Validator friction_model() {
   const auto check = [](const std::string& text) {
     return text == "pyramid" || text == "aligned" ? std::string() : "must be pyramid or aligned, not " + text;
@@ -154,6 +142,8 @@ int finish(const Options& options, const physics::Simulator& simulator, const ph
 }
 
 int simulate(const Options& options) {
+  if (!options.out.empty() && options.out == options.summary)
+    throw DescriptionError(fmt::format("--out and --summary are the same file '{}'", options.out));
   SceneSource source = load_scene(options.scene);
   change(source.trajectory.mechanism, options);
   const physics::StepRecord* from =

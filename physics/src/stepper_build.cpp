@@ -54,7 +54,8 @@ const Motor* motor_of(const Mechanism& mechanism, const JointGeometry& geometry)
 
 Stepper::Stepper(Mechanism scene, int count, const SimulatorSettings& options)
     : settings(options), side_by_side(count), lanes(count) {
-  if (!(settings.tolerance > 0)) throw DescriptionError(fmt::format("tolerance {} is not > 0", settings.tolerance));
+  if (!(settings.tolerance > 0 && std::isfinite(settings.tolerance)))
+    throw DescriptionError(fmt::format("tolerance {} is not a number > 0", settings.tolerance));
   for (int lane = 1; lane < count; ++lane) describe(lane, scene);
   describe(0, std::move(scene));
   dt = lanes[0].mechanism.time_step;

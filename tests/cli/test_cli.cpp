@@ -135,6 +135,10 @@ TEST_F(Cli, AStepThatFailsGivesCodeOneAndKeepsTheTrajectorySoFar) {
 
 TEST_F(Cli, WrongOptionsAreRefusedInOneLine) {
   EXPECT_EQ(refused(""), "graphsolve: A subcommand is required (see 'graphsolve --help')\n");
+  EXPECT_EQ(refused("simulte disc"),
+            "graphsolve: there is no command 'simulte'; there are: simulate, rollout, scenes, study, analyze, solve\n");
+  EXPECT_EQ(refused("simulate disc --out a.json --summary a.json"),
+            "graphsolve: --out and --summary are the same file 'a.json'\n");
   EXPECT_EQ(refused("simulate disc --steps -3"),
             "graphsolve: --steps: must be >= 0, not -3 (see 'graphsolve --help')\n");
   EXPECT_NE(refused("simulate disc --steps 3 --duration 1").find("excludes"), std::string::npos);

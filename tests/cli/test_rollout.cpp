@@ -120,6 +120,25 @@ TEST_F(Rollout, RefusesToGoOnWithAnotherRolloutsFile) {
   EXPECT_EQ(text("letter.txt"), "Dear all,\n");
 }
 
+TEST_F(Rollout, LinesWithValuesOfAnotherTypeAreRefused) {
+  ASSERT_EQ(run("disc --copies 2 --steps 3 --out a.jsonl"), 0) << err_;
+  const std::string header = text("a.jsonl").substr(0, text("a.jsonl").find('\n') + 1);
+  for (const char* record : {R"({"copy":0,"steps":"x","status":"solved"})", R"({"copy":0,"steps":3,"status":5})",
+                             R"({"copy":0,"steps":3})", R"({"copy":0,"steps":3,"status":"solved","place":[]})"}) {
+    write("bad.jsonl", header + record + "\n");
+    EXPECT_TRUE(Program::refused("rollout disc --copies 2 --steps 3 --out bad.jsonl")
+                    .starts_with("graphsolve: bad.jsonl:2: is not a line of a rollout (its key '"))
+        << record;
+  }
+  for (const char* first : {R"({"format":"graphsolve-rollout","shard":5})", R"({"format":"graphsolve-rollout"})",
+                            R"({"shard":"0/1","copies":"x"})", R"({"shard":"0/1"})"}) {
+    write("bad.jsonl", std::string(first) + "\n");
+    EXPECT_TRUE(Program::refused("rollout --merge bad.jsonl --out b")
+                    .starts_with("graphsolve: bad.jsonl:1: is not a line of a rollout (its key '"))
+        << first;
+  }
+}
+
 TEST_F(Rollout, ACopyThatFailsIsNamedAndTheOthersAreDone) {
   physics::Mechanism scene = physics::built_in_scene("free_top");
   // More angular momentum than any turn of less than half a circle per step holds, for the lighter tops.
@@ -143,12 +162,7 @@ TEST_F(Rollout, ACopyThatFailsIsNamedAndTheOthersAreDone) {
 }
 
 TEST_F(Rollout, WrongInputIsOneSentence) {
-  const auto refused = [&](const std::string& arguments) {
-    EXPECT_EQ(run(arguments), 2) << arguments;
-    EXPECT_EQ(std::count(err_.begin(), err_.end(), '\n'), 1) << err_;
-    EXPECT_EQ(out_, "");
-    return err_;
-  };
+  const auto refused = [&](const std::string& arguments) { return Program::refused("rollout " + arguments); };
   EXPECT_EQ(refused("disc --steps 3"), "graphsolve: rollout: --copies is required\n");
   EXPECT_EQ(refused("disc --copies 2 --steps 3 --shard 2/2"), "graphsolve: shard '2/2' is not I/N with 0 <= I < N\n");
   EXPECT_EQ(refused("disc --copies 2 --steps 3 --vary friction=1"), "graphsolve: vary 'friction=1' is not KEY=LOW:HIGH\n");
@@ -157,6 +171,15 @@ TEST_F(Rollout, WrongInputIsOneSentence) {
   EXPECT_NE(refused("disc --copies 2 --steps 3 --vary colour=1:2").find("vary 'colour': unknown key; there are: friction"),
             std::string::npos);
   EXPECT_NE(refused("disc --copies 0 --steps 3").find("must be a whole number >= 1, not 0"), std::string::npos);
+  // Shards of so many would overlap: copies times shards does not fit.
+  EXPECT_NE(refused("disc --copies 9223372036854775807 --steps 3 --shard 2/3").find("must not be above"), std::string::npos);
+  EXPECT_NE(refused("disc --copies 2 --steps 3 --seed -1").find("must be >= 0, not -1"), std::string::npos);
+  for (const char* tolerance : {"nan", "inf", "1e400", "0", "-1"})
+    EXPECT_NE(refused("disc --copies 2 --steps 3 --tolerance " + std::string(tolerance)).find("must be a number > 0"),
+              std::string::npos);
+  if (fs::exists("/dev/zero")) {
+    EXPECT_NE(refused("disc --copies 2 --steps 3 --out /dev/zero").find("only an ordinary file"), std::string::npos);
+  }
   EXPECT_NE(refused("snake --copies 5 --steps 3 --out a.jsonl --vary start.link1.position.x=5:6").find("copy 0: "),
             std::string::npos);
   EXPECT_NE(refused("--merge nothing.jsonl --out a").find("cannot read 'nothing.jsonl'"), std::string::npos);
