@@ -128,6 +128,9 @@ bool InteriorPoint::factorize() {
       trouble_[c] = Status::singular;
       regular = false;
     }
+  }
+  for (const int c : running_) {
+    if (!regular && trouble_[c] == Status::solved) continue;  // does not step now, but after the next factorization
     ++reports_[c].iterations;
     ++attempt_iterations_[c];
     previous_error_[c] = error_[c];
@@ -227,6 +230,7 @@ void InteriorPoint::take_step() {
   for (const int c : running_) {
     const double alpha = alpha_[c];
     each_row(c, [&](int i) { x_[i] += alpha * dx_[i]; });
+    judged_[c] = 0;
     short_steps_[c] = alpha < short_step ? short_steps_[c] + 1 : 0;
   }
 }

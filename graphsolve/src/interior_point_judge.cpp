@@ -16,18 +16,24 @@ constexpr int newton_iterations = 20;  ///< without ports it converges fast or n
 
 }  // namespace
 
-/// Ends, restarts or passes on every running component.
+/// Ends, restarts or passes on every running component. One that was passed on and has not moved since, because another
+/// one made the loop begin anew, is not judged twice: what becomes of it must not depend on the others.
 void InteriorPoint::judge() {
-  restarted_ = false;
+  bool any_restarted = false;
   bool ended = false;
   keep_running_.clear();
   for (const int c : running_) keep_running_.push_back(c);
   for (std::size_t k = 0; k < keep_running_.size(); ++k) {
     const int c = keep_running_[k];
+    if (judged_[c] && trouble_[c] == Status::solved) continue;
+    restarted_ = false;
     judge_component(c);
     if (trouble_[c] != Status::solved) next_attempt(c);
     if (attempt_iterations_[c] < 0) ended = true;
+    judged_[c] = !restarted_;
+    any_restarted = any_restarted || restarted_;
   }
+  restarted_ = any_restarted;
   if (!ended) return;
   if (undone_) {
     evaluate();  // terms keep what belongs to x: bring them back to the point that is handed out

@@ -40,6 +40,8 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   phase_.assign(components, Phase::full);
   good_.assign(components, 0);
   refine_.assign(components, 0);
+  judged_.assign(components, 0);
+  scaled_.assign(components, 0);
   factorization_.allow_refinement();
   factorization_.set_saddle_shift(saddle_shift);
   reports_.resize(components);
@@ -91,11 +93,12 @@ void InteriorPoint::begin(std::span<const double> x, double force_factor, std::s
   std::copy(x.begin(), x.end(), start_.begin());
   running_.assign(selected_.begin(), selected_.end());
   set_running();
+  scales_known_ = std::all_of(running_.begin(), running_.end(), [&](int c) { return scaled_[c] != 0; });
   for (const int c : running_) {
     reports_[c] = {};
     trouble_[c] = Status::solved;
     phase_[c] = Phase::full;
-    good_[c] = refine_[c] = 0;
+    good_[c] = refine_[c] = judged_[c] = 0;
     alpha_[c] = 1;
     attempt_iterations_[c] = short_steps_[c] = halvings_[c] = freezes_[c] = degree_[c] = 0;
     previous_error_[c] = scale_[c] = 0;
@@ -146,13 +149,16 @@ void InteriorPoint::start_warm() {
 
 void InteriorPoint::set_default_scales() {
   const Symbolic& s = factorization_.symbolic();
-  for (int k = 0; k < s.pivots(); ++k)
-    for (int i = 0; i < s.dimension(k); ++i) {
-      double& scale = row_scale_[s.row(k) + i];
-      if (!std::isnan(scale)) continue;
-      const double diagonal = factorization_.values()[s.pivot(k).diagonal + i * (s.dimension(k) + 1)];
-      scale = diagonal > 0 ? 1 / diagonal : 1.0;
-    }
+  for (const int c : running_) {
+    scaled_[c] = 1;
+    for (int k = s.component_begin(c); k < s.component_begin(c + 1); ++k)
+      for (int i = 0; i < s.dimension(k); ++i) {
+        double& scale = row_scale_[s.row(k) + i];
+        if (!std::isnan(scale)) continue;
+        const double diagonal = factorization_.values()[s.pivot(k).diagonal + i * (s.dimension(k) + 1)];
+        scale = diagonal > 0 ? 1 / diagonal : 1.0;
+      }
+  }
   scales_known_ = true;
 }
 

@@ -137,10 +137,12 @@ class InteriorPoint {
   std::vector<int> degree_, attempt_iterations_, short_steps_, halvings_, freezes_;
   std::vector<Status> trouble_;  ///< why the present attempt has to end; solved: it need not
   std::vector<Phase> phase_;
+  std::vector<char> judged_;  ///< passed on at the point where it is
+  std::vector<char> scaled_;  ///< has its default scales
   std::vector<char> refine_;  ///< solutions of the linear system are refined
   std::vector<char> good_;  ///< number of points in a row, the last one included, that were solutions but for their products
   bool restarted_ = false;
-  bool scales_known_ = false;
+  bool scales_known_ = false;  ///< of all running components
   bool undone_ = false;  ///< some component went back by a step
   Profile* profile_ = nullptr;
 };
