@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <tuple>
 
+#include "elimination_tree.hpp"
+
 namespace graphsolve {
 
 namespace {
@@ -51,14 +53,14 @@ class Part {
     return result;
   }
 
-  [[nodiscard]] Symbolic::Counts counts_without(NodeId a, NodeId b) const {
+  [[nodiscard]] PredictedCost cost_without(NodeId a, NodeId b) const {
     BlockGraph part;
     for (const NodeId node : nodes_) part.add_node({}, graph_.dimension(node), graph_.kind(node));
     each_edge([&](NodeId from, const BlockGraph::Edge& edge) {
       if (from == a && edge.to == b) return;
       part.add_edge({local_[from.index]}, {local_[edge.to.index]}, edge.rank);
     });
-    return Symbolic(part, minimum_fill_ordering(part)).counts();
+    return predict_cost(part, minimum_fill_ordering(part));
   }
 
  private:
@@ -87,13 +89,13 @@ std::optional<EdgeSaving> find_edge_saving(const BlockGraph& graph, const Symbol
     const auto size = static_cast<std::int64_t>(cause.nodes.size());
     if (left < 2 * size) continue;
     const Part part(graph, cause.nodes, local);
-    const Symbolic::Counts with = part.counts_without({}, {});
+    const PredictedCost with = part.cost_without({}, {});
     left -= size;
     for (const Candidate& c : part.edges(symbolic, depth)) {
       if (left < size) break;
       left -= size;
       ++best.tried;
-      const Symbolic::Counts without = part.counts_without({c.a}, {c.b});
+      const PredictedCost without = part.cost_without({c.a}, {c.b});
       const std::int64_t saved = with.operations - without.operations;
       if (saved <= best.operations) continue;
       best.a = {c.a};

@@ -277,13 +277,13 @@ void Factorization::update(int k, int from, Outcome& outcome) {
     const int di = s.pivot(coupled[i]).dimension;
     const auto product = kernels::product_kernel(di, d);
     const bool watch = tracks_reference(coupled[i]);
-    double* own = v + target[i * m + i];
+    double* own = v + target[i * p.stride + i];
     if (watch)
       for (int q = 0; q < di; ++q) work_[q] = own[q * (di + 1)];
     const double* upper = first_upper;
     for (int j = from, last = symmetric() ? i : m; j < last; ++j) {
       const int dj = s.pivot(coupled[j]).dimension;
-      product(v + target[i * m + j], lower, upper, di, d, dj);
+      product(v + target[i * p.stride + j], lower, upper, di, d, dj);
       upper += d * dj;
       scalars += static_cast<std::int64_t>(di) * dj;
     }

@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "elimination_tree.hpp"
 #include "graphsolve/ordering.hpp"
-#include "graphsolve/symbolic.hpp"
 #include "ordering_packages.hpp"
 #include "ordering_repair.hpp"
 
@@ -85,15 +85,15 @@ std::vector<NodeId> package_sequence([[maybe_unused]] const BlockGraph& graph, O
 /// of equals.
 Ordering best_ordering(const BlockGraph& graph) {
   Ordering result = minimum_fill_ordering(graph);
-  const Symbolic::Counts counts = Symbolic(graph, result).counts();
-  if (counts.fill_blocks == 0) return result;
-  std::int64_t least = counts.operations;
+  const PredictedCost cost = predict_cost(graph, result);
+  if (cost.fill_blocks == 0) return result;
+  std::int64_t least = cost.operations;
   for (const OrderingMethod method : {amd, nested_dissection}) {
     if (!available(method)) continue;
     Ordering other = make_ordering(graph, method);
     // A singular pivot costs more than any fill: an order that breaks the rule oftener is never better.
     if (other.forced > result.forced) continue;
-    const std::int64_t operations = Symbolic(graph, other).counts().operations;
+    const std::int64_t operations = predict_cost(graph, other).operations;
     if (operations >= least) continue;
     least = operations;
     result = std::move(other);

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
-#include <stdexcept>
 #include <string>
+
+#include "elimination_tree.hpp"
 
 namespace graphsolve {
 
@@ -20,47 +21,10 @@ constexpr std::array<SupernodeSettings, 5> candidates{{{.largest = 1, .zeros = 0
                                                        {.largest = 4, .zeros = 0.2, .always_below = 1},
                                                        {.largest = 6, .zeros = 0.1, .always_below = 1}}};
 
-/// Elimination tree in pivot numbers, and per pivot what stands under it in the factor.
-struct Tree {
-  std::vector<int> parent, rows_below, blocks_below;
-};
-
-Tree elimination_tree(const BlockGraph& graph, const Ordering& ordering, const std::vector<int>& position) {
-  const int n = graph.size();
-  Tree tree{std::vector<int>(n, -1), std::vector<int>(n, 0), std::vector<int>(n, 0)};
-  std::vector<int> seen(n, -1);
-  for (int k = 0; k < n; ++k) {  // row k of the factor: from each earlier neighbour up the tree
-    const NodeId node = ordering.sequence[k];
-    seen[k] = k;
-    for (const auto& edge : graph.edges(node))
-      for (int i = position[edge.to.index]; i < k && seen[i] != k; i = tree.parent[i]) {
-        seen[i] = k;
-        tree.rows_below[i] += graph.dimension(node);
-        ++tree.blocks_below[i];
-        if (tree.parent[i] < 0) tree.parent[i] = k;
-      }
-  }
-  return tree;
-}
-
-std::vector<int> positions(const BlockGraph& graph, const Ordering& ordering) {
-  std::vector<int> position(graph.size(), -1);
-  if (static_cast<int>(ordering.sequence.size()) != graph.size())
-    throw std::invalid_argument("ordering has " + std::to_string(ordering.sequence.size()) + " nodes, the graph " +
-                                std::to_string(graph.size()));
-  for (int k = 0; k < graph.size(); ++k) {
-    const int node = ordering.sequence[k].index;
-    if (node < 0 || node >= graph.size() || position[node] >= 0)
-      throw std::invalid_argument("ordering is not a permutation of the nodes");
-    position[node] = k;
-  }
-  return position;
-}
-
 /// Supernode of every pivot, named by its last pivot: the one nearest to the root.
 class Merging {
  public:
-  Merging(const BlockGraph& graph, const Ordering& ordering, const Tree& tree, const SupernodeSettings& settings)
+  Merging(const BlockGraph& graph, const Ordering& ordering, const EliminationTree& tree, const SupernodeSettings& settings)
       : settings_(settings), tree_(tree), top_(tree.parent.size()), rows_(top_.size()), zeros_(top_.size(), 0.0) {
     std::iota(top_.begin(), top_.end(), 0);
     for (std::size_t k = 0; k < top_.size(); ++k) rows_[k] = graph.dimension(ordering.sequence[k]);
@@ -100,7 +64,7 @@ class Merging {
   }
 
   const SupernodeSettings& settings_;
-  const Tree& tree_;
+  const EliminationTree& tree_;
   std::vector<int> top_, rows_;
   std::vector<double> zeros_;  ///< scalars, per top
 };
@@ -145,13 +109,13 @@ Supernodes build(const BlockGraph& graph, const Ordering& ordering, const std::v
 
 Supernodes merge_supernodes(const BlockGraph& graph, const Ordering& ordering, const SupernodeSettings& settings) {
   const std::vector<int> position = positions(graph, ordering);
-  const Tree tree = elimination_tree(graph, ordering, position);
+  const EliminationTree tree(graph, ordering, position);
   return build(graph, ordering, position, Merging(graph, ordering, tree, settings).top());
 }
 
 Supernodes merge_supernodes(const BlockGraph& graph, const Ordering& ordering) {
   const std::vector<int> position = positions(graph, ordering);
-  const Tree tree = elimination_tree(graph, ordering, position);
+  const EliminationTree tree(graph, ordering, position);
   Supernodes best;
   double least = 0;
   for (const SupernodeSettings& settings : candidates) {
@@ -166,7 +130,7 @@ Supernodes merge_supernodes(const BlockGraph& graph, const Ordering& ordering) {
 }
 
 double predicted_time(const BlockGraph& graph, const Ordering& ordering) {
-  const Tree tree = elimination_tree(graph, ordering, positions(graph, ordering));
+  const EliminationTree tree(graph, ordering, positions(graph, ordering));
   double time = 0;
   for (int k = 0; k < graph.size(); ++k) {
     const double d = graph.dimension(ordering.sequence[k]), rows = tree.rows_below[k], blocks = tree.blocks_below[k];

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "graphsolve/factorization.hpp"
 #include "operations.hpp"
 #include "simd/program.hpp"
 
@@ -35,7 +36,7 @@ Symbolic::Symbolic(const BlockGraph& graph, const Ordering& ordering) : rows_(gr
                   .saddle = graph.kind(node) == NodeKind::saddle,
                   .may_depend = graph.kind(node) == NodeKind::saddle,
                   .begin = 0, .end = 0, .coupled_rows = 0,
-                  .diagonal = 0, .lower = 0, .upper = 0, .targets = 0};
+                  .diagonal = 0, .lower = 0, .upper = 0, .targets = -1, .stride = 0};
   }
   find_uncertain(graph);
   find_structure(graph);
@@ -47,7 +48,25 @@ Symbolic::Symbolic(const BlockGraph& graph, const Ordering& ordering) : rows_(gr
     const std::int64_t d = p.dimension, m = p.coupled_rows;
     counts_.pack_operations += lu_operations(d) + d * m * (d + m);
   }
-  counts_.memory += program_->memory() + program_->factor_size() * static_cast<std::int64_t>(sizeof(double));
+  count_memory();
+}
+
+void Symbolic::count_memory() {
+  const auto bytes = [](std::int64_t count, std::size_t size) { return count * static_cast<std::int64_t>(size); };
+  int largest = 0;
+  for (const Pivot& p : pivots_) largest = std::max(largest, p.dimension);
+  const std::int64_t plan = sizeof(Symbolic) + bytes(pivots(), sizeof(Pivot) + 2 * sizeof(int)) +
+                            bytes(components() + 1, sizeof(int)) +
+                            bytes(coupled_.size(), sizeof(int) + sizeof(char) + sizeof(std::int64_t)) +
+                            bytes(targets_.size(), sizeof(std::int64_t)) + program_->memory();
+  const std::int64_t numbers =
+      sizeof(Factorization) + bytes(values_size_, sizeof(double)) +
+      bytes(rows_, 2 * sizeof(int) + 2 * sizeof(double) + sizeof(Factorization::DroppedRow)) +
+      bytes(pivots(), 2 * sizeof(int)) + bytes(2 * std::int64_t{largest} * largest + 3 * largest, sizeof(double)) +
+      bytes(components(), sizeof(Factorization::Outcome) + sizeof(char));
+  const std::int64_t packed = bytes(program_->factor_size() + program_->scratch_size(), sizeof(double)) +
+                              bytes(pivots(), sizeof(int) + sizeof(char));
+  counts_.memory = plan + numbers + packed;
 }
 
 /// A saddle node is safe when a regular neighbour, across a full-row-rank edge, is eliminated before it and after
@@ -135,6 +154,8 @@ void Symbolic::find_structure(const BlockGraph& graph) {
     first_child[parent] = k;
     height[parent] = std::max(height[parent], height[k] + 1);
   }
+  coupled_.shrink_to_fit();
+  fill_.shrink_to_fit();
   for (const int h : height) counts_.tree_height = std::max(counts_.tree_height, h);
 }
 
@@ -166,15 +187,30 @@ void Symbolic::lay_out() {
   counts_.stored_blocks = pivots() + 2 * static_cast<std::int64_t>(coupled_.size());
 }
 
-/// Offsets of the blocks that the elimination of each pivot updates: for couplings i, j the block (i, j).
+/// Offsets of the blocks that the elimination of each pivot updates: for couplings i, j the block (i, j). A pivot often
+/// couples what one of its children couples, but for itself: then it finds its table in the child's, less the first row
+/// and column. In the dense end of an elimination a single table serves all pivots.
 void Symbolic::plan_updates() {
+  std::vector<int> owners;
   std::int64_t size = 0;
-  for (Pivot& p : pivots_) {
-    p.targets = size;
-    size += static_cast<std::int64_t>(p.end - p.begin) * (p.end - p.begin);
+  for (int k = 0; k < pivots(); ++k) {
+    Pivot& p = pivots_[k];
+    const int m = p.end - p.begin;
+    if (p.targets < 0) {
+      p.targets = size;
+      p.stride = m;
+      size += static_cast<std::int64_t>(m) * m;
+      owners.push_back(k);
+    }
+    if (m < 2) continue;
+    Pivot& parent = pivots_[p.parent];
+    if (parent.end - parent.begin != m - 1) continue;
+    parent.targets = p.targets + p.stride + 1;
+    parent.stride = p.stride;
   }
   targets_.resize(size);
-  for (const Pivot& p : pivots_) {
+  for (const int k : owners) {
+    const Pivot& p = pivots_[k];
     const int m = p.end - p.begin;
     const int* later = coupled_.data() + p.begin;
     std::int64_t* target = targets_.data() + p.targets;
@@ -189,10 +225,6 @@ void Symbolic::plan_updates() {
       }
     }
   }
-  counts_.memory = static_cast<std::int64_t>(sizeof(Symbolic)) + pivots() * (sizeof(Pivot) + 2 * sizeof(int)) +
-                   coupled_.size() * (sizeof(int) + 1 + sizeof(std::int64_t)) +
-                   targets_.size() * sizeof(std::int64_t) + values_size_ * sizeof(double) +
-                   rows_ * (2 * sizeof(double) + 2 * sizeof(int)) + pivots() * (sizeof(double) + sizeof(int));
 }
 
 std::span<const int> Symbolic::coupled(int pivot) const {

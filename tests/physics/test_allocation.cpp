@@ -1,11 +1,9 @@
-// Simulator::step allocates nothing. Counted at malloc, because that is where both operator new and Eigen end.
+// Simulator::step allocates nothing.
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
-#include <atomic>
 #include <cmath>
-#include <cstddef>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -15,80 +13,18 @@
 #include "physics/gradients.hpp"
 #include "physics/scenes.hpp"
 #include "physics/simulator.hpp"
-
-// Sanitizers bring their own malloc, and must keep it.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(__GLIBC__)
-#define PHYSICS_TESTS_COUNT_ALLOCATIONS 0
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
-#define PHYSICS_TESTS_COUNT_ALLOCATIONS 0
-#endif
-#endif
-#ifndef PHYSICS_TESTS_COUNT_ALLOCATIONS
-#define PHYSICS_TESTS_COUNT_ALLOCATIONS 1
-#endif
-
-namespace {
-
-std::atomic<bool> armed{false};
-std::atomic<long> allocations{0};
-
-#if PHYSICS_TESTS_COUNT_ALLOCATIONS
-void note() {
-  if (armed.load(std::memory_order_relaxed)) allocations.fetch_add(1, std::memory_order_relaxed);
-}
-#endif
-
-}  // namespace
-
-#if PHYSICS_TESTS_COUNT_ALLOCATIONS
-// Memory still comes from the C library; free() need not change.
-extern "C" {
-void* __libc_malloc(std::size_t size);
-void* __libc_calloc(std::size_t count, std::size_t size);
-void* __libc_realloc(void* memory, std::size_t size);
-void* __libc_memalign(std::size_t alignment, std::size_t size);
-
-void* malloc(std::size_t size) {
-  note();
-  return __libc_malloc(size);
-}
-void* calloc(std::size_t count, std::size_t size) {
-  note();
-  return __libc_calloc(count, size);
-}
-void* realloc(void* memory, std::size_t size) {
-  note();
-  return __libc_realloc(memory, size);
-}
-void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  note();
-  return __libc_memalign(alignment, size);
-}
-}
-#endif
+#include "support/count_allocations.hpp"
 
 namespace {
 
 using namespace physics;
 
-/// Allocations of the calling thread's work; tests run one after another.
-class Counting {
- public:
-  Counting() {
-    allocations = 0;
-    armed = true;
-  }
-  ~Counting() { armed = false; }
-  Counting(const Counting&) = delete;
-  Counting& operator=(const Counting&) = delete;
-  [[nodiscard]] static long so_far() { return allocations; }
-};
+using allocation::Counting;
 
 class Allocation : public testing::Test {
  protected:
   void SetUp() override {
-    if (!PHYSICS_TESTS_COUNT_ALLOCATIONS) GTEST_SKIP() << "this build has an allocator that cannot be counted";
+    if (!allocation::counted) GTEST_SKIP() << "this build has an allocator that cannot be counted";
   }
 };
 

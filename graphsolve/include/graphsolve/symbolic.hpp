@@ -38,7 +38,7 @@ class Symbolic {
     std::int64_t symmetric_operations = 0;  ///< same of one LDL^T or Cholesky factorization of definite blocks
     std::int64_t pack_operations = 0;   ///< of one LDU factorization, eight equal pivots of one level counted as one
     std::int64_t solve_operations = 0;  ///< same of one solve
-    std::int64_t memory = 0;            ///< bytes: this object and one Factorization
+    std::int64_t memory = 0;            ///< bytes: this object and one Factorization of kind ldu
     int tree_height = 0;                ///< longest path of the elimination tree, in nodes
     int largest_front = 0;              ///< rows of the largest pivot block and what stands under it
   };
@@ -81,9 +81,11 @@ class Symbolic {
     std::int64_t diagonal;  ///< offset of the diagonal block
     std::int64_t lower;     ///< offset of the blocks below it, one after the other
     std::int64_t upper;     ///< offset of the blocks right of it, side by side
-    std::int64_t targets;   ///< first of (end - begin)^2 offsets that its elimination updates, row by row
+    std::int64_t targets;   ///< first of the offsets that its elimination updates
+    int stride;             ///< of their rows
   };
   [[nodiscard]] const Pivot& pivot(int k) const { return pivots_[k]; }
+  /// Offset of the block (coupling i, coupling j) at [i * p.stride + j].
   [[nodiscard]] const std::int64_t* targets(const Pivot& p) const { return targets_.data() + p.targets; }
   /// The same elimination, equal pivots of one level side by side (src/simd/program.hpp).
   [[nodiscard]] const simd::Program& program() const { return *program_; }
@@ -93,6 +95,7 @@ class Symbolic {
   void find_structure(const BlockGraph& graph);
   void lay_out();
   void plan_updates();
+  void count_memory();
   [[nodiscard]] int find(int pivot, int later) const;
 
   std::vector<Pivot> pivots_;

@@ -120,7 +120,7 @@ unsigned eliminate_pack(const PackJob& job) {
       for (; c + columns_at_once <= columns; c += columns_at_once)
         product<D, columns_at_once>(l_block, w_block + c * d, t + c * rows, rows, d);
       for (; c < columns; ++c) product<D, 1>(l_block, w_block + c * d, t + c * rows, rows, d);
-      for (int l = 0; l < lanes; ++l) target[l] = job.values + job.symbolic.targets(*pivot[l])[i * m + j];
+      for (int l = 0; l < lanes; ++l) target[l] = job.values + job.symbolic.targets(*pivot[l])[i * pivot[l]->stride + j];
       add_transposed(t, rows * columns, target, active, -1.0);
       w_block += columns * d;
     }

@@ -1,0 +1,57 @@
+#include "elimination_tree.hpp"
+
+#include <stdexcept>
+#include <string>
+
+#include "operations.hpp"
+
+namespace graphsolve {
+
+std::vector<int> positions(const BlockGraph& graph, const Ordering& ordering) {
+  std::vector<int> position(graph.size(), -1);
+  if (static_cast<int>(ordering.sequence.size()) != graph.size())
+    throw std::invalid_argument("ordering has " + std::to_string(ordering.sequence.size()) + " nodes, the graph " +
+                                std::to_string(graph.size()));
+  for (int k = 0; k < graph.size(); ++k) {
+    const int node = ordering.sequence[k].index;
+    if (node < 0 || node >= graph.size() || position[node] >= 0)
+      throw std::invalid_argument("ordering is not a permutation of the nodes");
+    position[node] = k;
+  }
+  return position;
+}
+
+EliminationTree::EliminationTree(const BlockGraph& graph, const Ordering& ordering, const std::vector<int>& position)
+    : parent(graph.size(), -1), rows_below(graph.size(), 0), blocks_below(graph.size(), 0) {
+  const int n = graph.size();
+  std::vector<int> seen(n, -1);
+  for (int k = 0; k < n; ++k) {  // row k of the factor: from each earlier neighbour up the tree
+    const NodeId node = ordering.sequence[k];
+    seen[k] = k;
+    for (const auto& edge : graph.edges(node))
+      for (int i = position[edge.to.index]; i < k && seen[i] != k; i = parent[i]) {
+        seen[i] = k;
+        rows_below[i] += graph.dimension(node);
+        ++blocks_below[i];
+        if (parent[i] < 0) parent[i] = k;
+      }
+  }
+}
+
+PredictedCost predict_cost(const BlockGraph& graph, const Ordering& ordering) {
+  const EliminationTree tree(graph, ordering, positions(graph, ordering));
+  PredictedCost cost;
+  std::int64_t ends = 0;  // of edges
+  for (int k = 0; k < graph.size(); ++k) {
+    const NodeId node = ordering.sequence[k];
+    const std::int64_t d = graph.dimension(node), rows = tree.rows_below[k];
+    cost.operations += lu_operations(d) + d * d * rows + d * rows * rows;
+    cost.stored_scalars += d * d + 2 * d * rows;
+    cost.fill_blocks += tree.blocks_below[k];
+    ends += static_cast<std::int64_t>(graph.edges(node).size());
+  }
+  cost.fill_blocks -= ends / 2;
+  return cost;
+}
+
+}  // namespace graphsolve
