@@ -48,6 +48,8 @@ void Contacts::add(const Contact& contact, int source, int body) {
     entry.batch = Batch::any;
     entry.index = any_.add(port(std::integral_constant<int, 3>{}), PyramidLaw<0>(1, 1, 1, contact.directions));
   }
+  entry.saved = static_cast<int>(saved_.size());
+  saved_.resize(saved_.size() + (entry.batch == Batch::none ? 1 : 1 + contact.directions));
   contacts_.push_back(entry);
 }
 
@@ -197,6 +199,38 @@ double Contacts::smallest_distance(int lane) const {
 
 void Contacts::clear(int lane) {
   each_entry(lane, [](Entry& entry) { entry.active = entry.loaded = false; });
+}
+
+void Contacts::save(int lane) {
+  each_entry(lane, [&](Entry& entry) {
+    entry.saved_active = entry.active;
+    visit(entry, [&](const auto& port, const auto& law) {
+      double* impulse = saved_.data() + entry.saved;
+      if constexpr (std::decay_t<decltype(port)>::rows == 3) {
+        entry.saved_tangent = port.tangent1();
+        if (!entry.active) return;
+        *impulse++ = law.normal_impulse();
+        for (int i = 0; i < law.facets(); ++i) *impulse++ = law.facet_impulse(i);
+      } else {
+        *impulse = law.force();
+      }
+    });
+  });
+}
+
+void Contacts::recall(int lane) {
+  each_entry(lane, [&](Entry& entry) {
+    entry.active = entry.saved_active;
+    visit(entry, [&](auto& port, auto& law) {
+      const double* impulse = saved_.data() + entry.saved;
+      if constexpr (std::decay_t<decltype(port)>::rows == 3) {
+        port.set_tangent(entry.saved_tangent);
+        if (entry.active) law.set_impulses(impulse[0], {impulse + 1, static_cast<std::size_t>(law.facets())});
+      } else {
+        law.set_force(*impulse);
+      }
+    });
+  });
 }
 
 void Contacts::load_record(int lane, std::span<const ContactRecord> records, double impulse_time) {

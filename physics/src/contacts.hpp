@@ -55,8 +55,11 @@ class Contacts {
 
   [[nodiscard]] double smallest_distance(int lane) const;  ///< at `now`
   void write_record(int lane, std::span<ContactRecord> records, double impulse_time) const;
-  /// After the state was set from outside: no contact remembers a force.
+  /// After the state was set from outside, and before a failed step is tried again: no contact remembers a force.
   void clear(int lane);
+  /// Keeps forces and friction bases, or goes back to those that were kept.
+  void save(int lane);
+  void recall(int lane);
   /// Takes up forces and friction bases of a record; impulse_time: of the step that made them [s].
   void load_record(int lane, std::span<const ContactRecord> records, double impulse_time);
 
@@ -70,6 +73,9 @@ class Contacts {
     bool active = false;
     bool loaded = false;  ///< its law remembers forces of the step before
     bool turned = false;  ///< its basis turned to the slip before this step
+    int saved = -1;             ///< place of its impulses in saved_: normal, facets
+    bool saved_active = false;
+    Vec3 saved_tangent = Vec3::Zero();
     double slip_speed = 0;  ///< then, and before steps whose slip kept the basis [m/s]; 0: it does not follow the slip
   };
   template <class F>
@@ -97,6 +103,7 @@ class Contacts {
   std::vector<double> world_distance_;  ///< of these, lane by lane
   std::vector<int> list_[3];
   int batch_number_[3] = {-1, -1, -1};
+  std::vector<double> saved_;
   std::vector<double> facet_impulses_;  ///< scratch of load_record
 };
 

@@ -42,6 +42,8 @@ class Joints final : public graphsolve::Term {
   void exchange_coordinate(int i) { std::swap(joints_[i].coordinate, joints_[i].saved_coordinate); }
   /// Sets the motor's coordinate from the poses `now`.
   void reset_coordinate(int i);
+  /// After that: adds the full turns, by the effort of the step that led to these poses and velocities x at this time.
+  void find_turn(int i, double effort, double time, std::span<const double> x);
 
   [[nodiscard]] int size() const override { return static_cast<int>(joints_.size()); }
   [[nodiscard]] std::span<const graphsolve::NodeId> nodes(int i) const override {

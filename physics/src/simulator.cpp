@@ -1,5 +1,6 @@
 #include "physics/simulator.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -10,6 +11,19 @@ namespace physics {
 namespace {
 
 constexpr int only = 0;  ///< the lane of a simulator
+
+/// Forces of a record are where the next step starts; its tangent is the friction basis itself.
+void check_contact(const StepRecord& record, const Contact& contact, const ContactRecord& c) {
+  const auto fail = [&](const char* what) {
+    throw DescriptionError(fmt::format("record {}: contact '{}': {}", record.step, contact.name, what));
+  };
+  const auto is_force = [](double force) { return force >= 0 && std::isfinite(force); };
+  if (!is_force(c.normal_force)) fail("its normal force is not a number >= 0");
+  if (!std::all_of(c.facet_forces.begin(), c.facet_forces.end(), is_force)) fail("a facet force is not a number >= 0");
+  constexpr double rounding = 1e-9;
+  if (c.tangent && !(std::abs(c.tangent->norm() - 1) < rounding && std::abs(c.tangent->dot(contact.normal)) < rounding))
+    fail("its tangent is not a unit vector along the plane");
+}
 
 void check_record(const Mechanism& mechanism, const StepRecord& record) {
   if (record.bodies.size() != mechanism.bodies.size())
@@ -22,6 +36,8 @@ void check_record(const Mechanism& mechanism, const StepRecord& record) {
       throw DescriptionError(fmt::format("record {}: body '{}' has a value that is not finite or a quaternion that is "
                                          "not a unit one", record.step, mechanism.bodies[k].name));
   }
+  if (record.contacts.size() != mechanism.contacts.size()) return;
+  for (std::size_t k = 0; k < record.contacts.size(); ++k) check_contact(record, mechanism.contacts[k], record.contacts[k]);
 }
 
 }  // namespace
@@ -47,6 +63,11 @@ void Simulator::restart_from(const StepRecord& record) {
   // Forces of the record make the start warm and keep the friction basis; a start without them is only colder.
   if (record.contacts.size() == lane.mechanism.contacts.size())
     s.contacts->load_record(only, record.contacts, lane.state.time_step);
+  for (int k = 0; record.joints.size() == lane.mechanism.joints.size() && k < s.joints_per_lane; ++k) {
+    const int j = s.joint(only, k);
+    const auto& effort = record.joints[s.joints.geometry(j).source].effort;
+    if (effort) s.joints.find_turn(j, *effort, record.time, s.unknowns);
+  }
   lane.step_index = record.step;
   lane.time = record.time;
   lane.last = {};

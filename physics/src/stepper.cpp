@@ -30,6 +30,7 @@ bool next_rung(Stepper::Rung& rung, int max_substeps) {
 void Stepper::step(std::span<const int> stepped) {
   for (const int lane : stepped) {
     save(lane);
+    if (lanes[lane].last.ok()) lanes[lane].before = lanes[lane].last;
     lanes[lane].last = {};
   }
   attempt(stepped, {1, false});
@@ -46,6 +47,7 @@ void Stepper::step(std::span<const int> stepped) {
       l.time += dt;
     } else {
       l.last.cause = graphsolve::explanation(l.last.status);
+      recall(lane);
     }
   }
   bodies.force_at_next = false;
@@ -232,6 +234,7 @@ void copy_body(const State& from, State& to, int i) {
 
 void Stepper::save(int lane) {
   lanes[lane].saved_state = lanes[lane].state;
+  contacts->save(lane);
   const auto copy = [&](int row, int rows) { std::copy_n(unknowns.data() + row, rows, saved_unknowns.data() + row); };
   for (int k = 0; k < bodies_per_lane; ++k) {
     const int i = body(lane, k);

@@ -48,6 +48,7 @@ struct Lane {
   double smallest_distance = 0;  ///< over all contacts, where the last step began
   Attempt attempt;
   StepResult last;
+  StepResult before;  ///< of the last step that was solved
   graphsolve::ComponentReport failure;  ///< of the last component that failed
 };
 
@@ -129,6 +130,7 @@ struct Stepper {
   void commit(int lane, double h);
   void save(int lane);
   void restore(int lane);
+  void recall(int lane);
 
   std::vector<int> going_, solving_, components_;  ///< scratch
 };

@@ -117,11 +117,12 @@ void Stepper::write_record(int lane, StepRecord& record) const {
   write_joints(lane, record.joints);
   record.solver.reset();
   if (l.state.impulse_time == 0) return;
-  record.solver = SolverRecord{.status = std::string(graphsolve::name(l.last.status)),
-                               .iterations = l.last.iterations,
-                               .residual = l.last.residual,
-                               .substeps = l.last.substeps,
-                               .new_force_direction = l.last.new_force_direction};
+  const StepResult& result = l.last.ok() ? l.last : l.before;  // of the step that led here
+  record.solver = SolverRecord{.status = std::string(graphsolve::name(result.status)),
+                               .iterations = result.iterations,
+                               .residual = result.residual,
+                               .substeps = result.substeps,
+                               .new_force_direction = result.new_force_direction};
 }
 
 std::string Stepper::failure_place(int lane) const {

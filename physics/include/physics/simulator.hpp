@@ -75,7 +75,8 @@ class Simulator {
   /// After a failed step: where the solver got stuck, "joint 'knee' (residual 0.02 m/s)".
   [[nodiscard]] std::string failure_place() const;
 
-  /// Continues from a record of this scene (always `standard`).
+  /// Continues from a record of this scene (always `standard`). Throws DescriptionError when it is none. How often the
+  /// hinge of a motor has turned is found from its effort; a motor at its limit is taken to lag by less than a turn.
   void restart_from(const StepRecord& record);
 
   /// Fills a record of the present state; for record 0 forces are zero.

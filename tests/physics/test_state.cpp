@@ -1,0 +1,143 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "physics/scene_io.hpp"
+#include "physics/scenes.hpp"
+#include "physics/simulator.hpp"
+
+// The state between two steps: what a failed step leaves of it, and what a record takes up again.
+
+namespace {
+
+using namespace physics;
+
+void expect_near(const Vec3& a, const Vec3& b, double tolerance) { EXPECT_LE((a - b).norm(), tolerance * (1 + b.norm())); }
+
+void expect_same(const StepRecord& found, const StepRecord& expected, double tolerance) {
+  EXPECT_EQ(found.step, expected.step);
+  EXPECT_EQ(found.time, expected.time);
+  for (std::size_t k = 0; k < expected.bodies.size(); ++k) {
+    EXPECT_EQ(found.bodies[k].position, expected.bodies[k].position);
+    EXPECT_EQ(found.bodies[k].orientation.coeffs(), expected.bodies[k].orientation.coeffs());
+    EXPECT_EQ(found.bodies[k].velocity, expected.bodies[k].velocity);
+    EXPECT_EQ(found.bodies[k].angular_velocity, expected.bodies[k].angular_velocity);
+  }
+  for (std::size_t k = 0; k < expected.contacts.size(); ++k) {
+    const ContactRecord &a = found.contacts[k], &b = expected.contacts[k];
+    EXPECT_EQ(a.distance, b.distance);
+    EXPECT_EQ(a.normal_force, b.normal_force);
+    EXPECT_EQ(a.friction_force, b.friction_force);
+    EXPECT_EQ(a.facet_forces, b.facet_forces);
+    EXPECT_EQ(a.tangent, b.tangent);
+  }
+  for (std::size_t k = 0; k < expected.joints.size(); ++k) {
+    const JointRecord &a = found.joints[k], &b = expected.joints[k];
+    expect_near(a.force, b.force, tolerance);
+    expect_near(a.torque, b.torque, tolerance);
+    EXPECT_EQ(a.error, b.error);
+    EXPECT_EQ(a.effort, b.effort);
+  }
+  ASSERT_TRUE(found.solver && expected.solver);
+  EXPECT_EQ(found.solver->status, expected.solver->status);
+  EXPECT_EQ(found.solver->iterations, expected.solver->iterations);
+  EXPECT_EQ(found.solver->substeps, expected.solver->substeps);
+}
+
+TEST(State, AFailedStepLeavesTheWholeRecordAsItWas) {
+  for (const char* name : {"sliding_box", "sliding_box:model=pyramid", "disc:c=4,height=0.01", "snake:n=3", "quadruped",
+                           "pendulum:n=3", "tumbling_box:mu=0"}) {
+    SCOPED_TRACE(name);
+    Mechanism scene = built_in_scene(name);
+    // More angular momentum than any turn of less than half a circle per substep holds.
+    scene.add(Load{.body = {0}, .first_step = 41, .last_step = 42, .torque = Vec3(0, 0, 1e12)});
+    Simulator simulator(scene);
+    for (int k = 0; k < 40; ++k) ASSERT_TRUE(simulator.step().ok()) << k;
+    StepRecord before, after;
+    simulator.write_record(before);
+    const double energy = simulator.energy();
+    for (int repeat = 0; repeat < 2; ++repeat) {
+      ASSERT_FALSE(simulator.step().ok());
+      simulator.write_record(after);
+      expect_same(after, before, 1e-10);
+      EXPECT_EQ(simulator.energy(), energy);
+    }
+  }
+}
+
+/// A wheel on a motorised hinge that follows a target through several turns.
+Mechanism turning_wheel(double limit) {
+  Mechanism scene;
+  scene.time_step = 0.01;
+  scene.gravity = Vec3::Zero();
+  Body wheel;
+  wheel.name = "wheel";
+  wheel.mass = 1;
+  wheel.inertia = 0.1 * Mat3::Identity();
+  Joint hinge;
+  hinge.name = "hinge";
+  hinge.type = JointType::revolute;
+  hinge.child = scene.add(wheel);
+  hinge.axis = Vec3::UnitZ();
+  hinge.motor = Motor{.stiffness = 5, .damping = 1, .limit = limit, .target = TableTarget{{0, 0}, {5, 20}, {6, 20}, {12, 2}}};
+  scene.add(hinge);
+  return scene;
+}
+
+// (Where its limit keeps the motor behind its target it is by less than a turn.)
+TEST(State, AMotorThatHasMadeFullTurnsIsContinuedInTheTurnWhereItIs) {
+  for (const double limit : {std::numeric_limits<double>::infinity(), 0.5}) {
+    const Mechanism scene = turning_wheel(limit);
+    Simulator whole(scene);
+    StepRecord record, expected, found;
+    for (int k = 1; k <= 900; ++k) {
+      ASSERT_TRUE(whole.step().ok());
+      if (k % 90 != 0) continue;
+      SCOPED_TRACE("record " + std::to_string(k) + ", limit " + std::to_string(limit));
+      whole.write_record(record);
+      Simulator continued(scene);
+      continued.restart_from(record);
+      for (int i = 0; i < 5; ++i, ++k) {
+        ASSERT_TRUE(whole.step().ok());
+        ASSERT_TRUE(continued.step().ok());
+      }
+      whole.write_record(expected);
+      continued.write_record(found);
+      EXPECT_NEAR(*found.joints[0].effort, *expected.joints[0].effort, 1e-6);
+      EXPECT_NEAR(found.bodies[0].angular_velocity.z(), expected.bodies[0].angular_velocity.z(), 1e-6);
+    }
+  }
+}
+
+TEST(State, ARecordWhoseForcesOrTangentsAreNoneIsRefusedByName) {
+  const Mechanism scene = built_in_scene("sliding_box");
+  Simulator simulator(scene);
+  for (int k = 0; k < 10; ++k) ASSERT_TRUE(simulator.step().ok());
+  StepRecord good;
+  simulator.write_record(good);
+  const auto refused = [&](auto&& spoil) {
+    StepRecord record = good;
+    spoil(record.contacts[1]);
+    try {
+      simulator.restart_from(record);
+    } catch (const DescriptionError& error) {
+      EXPECT_NE(std::string(error.what()).find("record 10: contact '" + scene.contacts[1].name + "'"), std::string::npos)
+          << error.what();
+      return true;
+    }
+    return false;
+  };
+  EXPECT_FALSE(refused([](ContactRecord&) {}));
+  EXPECT_TRUE(refused([](ContactRecord& c) { c.tangent = Vec3(0, 0, 1); }));
+  EXPECT_TRUE(refused([](ContactRecord& c) { c.tangent = Vec3(2, 0, 0); }));
+  EXPECT_TRUE(refused([](ContactRecord& c) { c.tangent = Vec3(NAN, 0, 0); }));
+  EXPECT_TRUE(refused([](ContactRecord& c) { c.normal_force = INFINITY; }));
+  EXPECT_TRUE(refused([](ContactRecord& c) { c.normal_force = -1; }));
+  EXPECT_TRUE(refused([](ContactRecord& c) { c.facet_forces[2] = NAN; }));
+  EXPECT_TRUE(refused([](ContactRecord& c) { c.facet_forces[0] = -1; }));
+  ASSERT_TRUE(simulator.step().ok());
+}
+
+}  // namespace
