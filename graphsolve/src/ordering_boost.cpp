@@ -54,14 +54,18 @@ std::vector<Part> split(const BlockGraph& graph, std::vector<NodeId>& alone) {
 
 std::vector<NodeId> minimum_degree(const BlockGraph& graph) {
   const int n = graph.size();
-  Directed directed(n);
+  // Boost's search for the next degree looks one bucket past the largest degree; a vertex of its own without edges,
+  // which comes out first, makes that bucket exist.
+  const int padded = n + 1;
+  Directed directed(padded);
   for (int i = 0; i < n; ++i)
     for (const auto& edge : graph.edges({i})) add_edge(i, edge.to.index, directed);
-  std::vector<int> degree(n, 0), inverse(n, 0), order(n, 0), supernodes(n, 1);
+  std::vector<int> degree(padded, 0), inverse(padded, 0), order(padded, 0), supernodes(padded, 1);
   const auto index = get(boost::vertex_index, directed);
   boost::minimum_degree_ordering(directed, boost::make_iterator_property_map(degree.begin(), index), inverse.data(),
                                  order.data(), boost::make_iterator_property_map(supernodes.begin(), index), 0,
                                  index);
+  std::erase(order, n);
   return to_nodes(order);
 }
 
