@@ -36,7 +36,7 @@ void InteriorPoint::judge() {
   restarted_ = any_restarted;
   if (!ended) return;
   if (undone_) {
-    evaluate();  // terms keep what belongs to x: bring them back to the point that is handed out
+    evaluate(linearized_ ? With::matrix : With::residual_alone);  // terms keep what belongs to x: bring them back to the point that is handed out
     undone_ = false;
   }
   std::erase_if(running_, [&](int c) { return attempt_iterations_[c] < 0; });
@@ -76,7 +76,7 @@ void InteriorPoint::judge_component(int c) {
   if (degree_[c] == 0 && backtrack(c)) return;
   const int most = degree_[c] == 0 ? newton_iterations : settings_.max_iterations;
   if (attempt_iterations_[c] >= most) trouble_[c] = Status::max_iterations;
-  else if (short_steps_[c] >= 3) trouble_[c] = alpha_[c] < 0 ? Status::step_bound : Status::stalled;
+  else if (short_steps_[c] >= 3) trouble_[c] = bounded_[c] ? Status::step_bound : Status::stalled;
 }
 
 /// The last step only polished the products s z and made the residual worse: forces that are not unique amplify

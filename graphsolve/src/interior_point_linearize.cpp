@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "graphsolve/interior_point.hpp"
+#include "graphsolve/largest.hpp"
 
 /// The derivative of a solution: the matrix of one Newton step on the central path of a given barrier.
 namespace graphsolve {
@@ -88,7 +89,7 @@ bool InteriorPoint::centre(const Factorization& matrix) {
     double size = 1, move = 0;
     each_row(c, [&](int i) {
       size = std::max(size, std::abs(x_[i]));
-      if (!(std::abs(dx_[i]) <= move)) move = std::abs(dx_[i]);  // a NaN must stay
+      keep_largest(move, std::abs(dx_[i]));
     });
     const double wanted = degree_[c] * mu_[c];
     if (!(alpha_[c] == 1.0 && move <= last_move * size && std::abs(sum_[c] - wanted) <= off_path * wanted)) last = false;

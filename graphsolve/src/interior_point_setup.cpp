@@ -35,10 +35,12 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
                   &tolerance_, &change_, &good_error_, &last_alpha_, &port_error_, &start_error_,
                   &start_residual_, &largest_ratio_})
     v->assign(components, 0.0);
-  for (auto* v : {&degree_, &attempt_iterations_, &short_steps_, &halvings_, &freezes_}) v->assign(components, 0);
+  for (auto* v : {&degree_, &attempt_iterations_, &short_steps_, &halvings_, &freezes_, &expected_iterations_})
+    v->assign(components, 0);
   trouble_.assign(components, Status::solved);
   phase_.assign(components, Phase::full);
   good_.assign(components, 0);
+  bounded_.assign(components, 0);
   refine_.assign(components, 0);
   judged_.assign(components, 0);
   scaled_.assign(components, 0);
@@ -95,6 +97,7 @@ void InteriorPoint::begin(std::span<const double> x, double force_factor, std::s
   set_running();
   scales_known_ = std::all_of(running_.begin(), running_.end(), [&](int c) { return scaled_[c] != 0; });
   for (const int c : running_) {
+    expected_iterations_[c] = std::max(1, reports_[c].iterations);
     reports_[c] = {};
     trouble_[c] = Status::solved;
     phase_[c] = Phase::full;
@@ -126,7 +129,9 @@ void InteriorPoint::start_warm() {
     for (std::size_t b = 0; b < ports.size(); ++b)
       if (!port_lists_[b].running.empty()) ports[b]->start_warm(running(port_lists_[b]), x_, mu_, scale_);
   };
-  evaluate_terms();  // ports may read what terms compute from x
+  // Ports may read what terms compute from x. Their forces change the residual before a matrix is wanted.
+  const bool changes = std::any_of(running_.begin(), running_.end(), [&](int c) { return degree_[c] > 0; });
+  evaluate_terms(changes ? With::residual_alone : With::matrix);
   for (const int c : running_) mu_[c] = mu_floor_[c];
   start();
   evaluate_ports();
@@ -144,7 +149,7 @@ void InteriorPoint::start_warm() {
   }
   if (!again) return;
   start();
-  evaluate();
+  evaluate(With::matrix);
 }
 
 void InteriorPoint::set_default_scales() {

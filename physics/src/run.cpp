@@ -1,6 +1,7 @@
 #include "physics/run.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <chrono>
 
 namespace physics {
@@ -18,12 +19,12 @@ void count(RunSummary& summary, graphsolve::Status status) {
   known == statuses.end() ? void(statuses.emplace_back(status, 1)) : void(++known->second);
 }
 
-/// Written so that NaN replaces anything: it must not hide.
+/// Written so that NaN replaces anything and stays: it must not hide.
 void raise(Extreme& extreme, double value, int step) {
-  if (!(value <= extreme.value)) extreme = {value, step};
+  if (value > extreme.value || std::isnan(value)) extreme = {value, step};
 }
 void lower(Extreme& extreme, double value, int step) {
-  if (!(value >= extreme.value)) extreme = {value, step};
+  if (value < extreme.value || std::isnan(value)) extreme = {value, step};
 }
 
 void begin(RunSummary& summary, const Simulator& simulator) {

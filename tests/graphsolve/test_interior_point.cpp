@@ -143,6 +143,50 @@ TEST(InteriorPoint, ContradictingBoundsAreNotSolvedAndTheStartIsKept) {
   EXPECT_FALSE(explanation(status).empty());
 }
 
+/// Adds nothing; keeps |x_0| below a bound.
+class KeepsWithin final : public Term {
+ public:
+  explicit KeepsWithin(double bound) : bound_(bound) {}
+  [[nodiscard]] int size() const override { return 1; }
+  [[nodiscard]] std::span<const NodeId> nodes(int) const override { return {&node_, 1}; }
+  void wire(const Wiring&) override {}
+  void evaluate(Instances, std::span<const double>, std::span<double>, double*) override {}
+  void bound_step(Instances instances, std::span<const double> x, std::span<const double> dx,
+                  std::span<double> alpha) const override {
+    double& a = alpha[instances.component[0]];
+    if (!instances.index.empty() && std::abs(x[0] + a * dx[0]) > bound_)
+      a = 0.99 * (bound_ - x[0] * std::copysign(1.0, dx[0])) / std::abs(dx[0]);
+  }
+
+ private:
+  NodeId node_{0};
+  double bound_;
+};
+
+TEST(InteriorPoint, ASolutionBeyondTheBoundOnTheStepIsReportedAsSuch) {
+  for (const bool with_ports : {false, true}) {
+    ChainQuadratic cost(2, 5);
+    const Eigen::VectorXd free = -cost.h.ldlt().solve(cost.g);
+    PortLawBatch<Bound, Nonnegative> bounds;
+    if (with_ports) bounds.add(Bound({1}, 0, Bound::Side::lower, free[2] - 1), Nonnegative());
+    const double solution = std::abs(free[0]);
+    ASSERT_GT(solution, 0.1);
+    for (const double bound : {0.5 * solution, 2 * solution}) {
+      KeepsWithin within(bound);
+      Problem problem(chain(2));
+      problem.add(cost);
+      problem.add(within);
+      if (with_ports) problem.add(bounds);
+      InteriorPoint solver(problem,
+                           std::make_shared<const Symbolic>(problem.graph(), natural_ordering(problem.graph())));
+      std::vector<double> x(4, 0.0);
+      EXPECT_EQ(solver.solve(x), bound < solution ? Status::step_bound : Status::solved) << with_ports;
+      if (bound >= solution) continue;
+      EXPECT_EQ(x, std::vector<double>(4, 0.0)) << "the start is kept";
+    }
+  }
+}
+
 TEST(InteriorPoint, NotANumberIsReportedAsSuch) {
   ChainQuadratic cost(2, 5);
   cost.g[1] = std::numeric_limits<double>::quiet_NaN();
@@ -152,6 +196,38 @@ TEST(InteriorPoint, NotANumberIsReportedAsSuch) {
   std::vector<double> x(4, 0.0);
   EXPECT_EQ(solver.solve(x), Status::not_finite);
   EXPECT_EQ(x, std::vector<double>(4, 0.0));
+}
+
+/// Adds nothing; its residual in row 0 is not a number.
+class Spoils final : public Term {
+ public:
+  [[nodiscard]] int size() const override { return 1; }
+  [[nodiscard]] std::span<const NodeId> nodes(int) const override { return {&node_, 1}; }
+  void wire(const Wiring&) override {}
+  void evaluate(Instances, std::span<const double>, std::span<double> residual, double*) override {
+    residual[0] = std::numeric_limits<double>::quiet_NaN();
+  }
+
+ private:
+  NodeId node_{0};
+};
+
+TEST(InteriorPoint, ANumberAfterNotANumberDoesNotHideIt) {
+  for (const bool with_ports : {false, true}) {
+    ChainQuadratic cost(3, 5);
+    Spoils spoils;
+    PortLawBatch<Bound, Nonnegative> bounds;
+    bounds.add(Bound({2}, 0, Bound::Side::lower, -100), Nonnegative());
+    Problem problem(chain(3));
+    problem.add(cost);
+    problem.add(spoils);
+    if (with_ports) problem.add(bounds);
+    InteriorPoint solver(problem, std::make_shared<const Symbolic>(problem.graph(), natural_ordering(problem.graph())));
+    // At the solution of all that is a number: only the first row can tell.
+    const Eigen::VectorXd solution = -cost.h.ldlt().solve(cost.g);
+    std::vector<double> x(solution.begin(), solution.end());
+    EXPECT_EQ(solver.solve(x), Status::not_finite) << with_ports;
+  }
 }
 
 TEST(InteriorPoint, SingularProblemIsReportedAsSuch) {

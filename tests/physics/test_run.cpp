@@ -81,6 +81,7 @@ TEST(Run, EndsAtAStepThatFailsAndKeepsTheStateBeforeIt) {
   options.record = [&](const StepRecord&) { ++records; };
   const RunResult result = run(simulator, 100, options);
   EXPECT_FALSE(result.ok());
+  EXPECT_EQ(result.last.status, graphsolve::Status::step_bound);
   EXPECT_FALSE(result.last.cause.empty());
   EXPECT_EQ(result.summary.steps, 4);
   EXPECT_EQ(simulator.step_index(), 4);

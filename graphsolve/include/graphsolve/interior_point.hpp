@@ -83,6 +83,7 @@ class InteriorPoint {
     std::vector<int> running;    ///< those of running components
   };
   enum class Phase { full, frozen, polish };
+  enum class With { residual_alone, matrix };
 
   void make_lists(Lists& lists, std::span<const int> component_of_instance);
   void sort_by_component(Lists& lists, std::span<const int> instances);
@@ -98,8 +99,9 @@ class InteriorPoint {
 
   void begin(std::span<const double> x, double force_factor, std::span<const double> noise);
   void start_warm();
-  void evaluate();
-  void evaluate_terms();
+  void evaluate(With with);
+  void evaluate_terms(With with);
+  [[nodiscard]] bool most_expect_to_end() const;
   void evaluate_ports();
   void set_default_scales();
   void judge();
@@ -134,15 +136,18 @@ class InteriorPoint {
   std::vector<double> error_, previous_error_, product_, mu_, mu_floor_, alpha_, ratio_, sum_, correction_, scale_,
       tolerance_, change_, good_error_, last_alpha_, port_error_, start_error_,
       start_residual_, largest_ratio_;
-  std::vector<int> degree_, attempt_iterations_, short_steps_, halvings_, freezes_;
+  std::vector<int> degree_, attempt_iterations_, short_steps_, halvings_, freezes_,
+      expected_iterations_;  ///< those that the solve before took
   std::vector<Status> trouble_;  ///< why the present attempt has to end; solved: it need not
   std::vector<Phase> phase_;
-  std::vector<char> judged_;  ///< passed on at the point where it is
-  std::vector<char> scaled_;  ///< has its default scales
-  std::vector<char> refine_;  ///< solutions of the linear system are refined
+  std::vector<char> judged_;   ///< passed on at the point where it is
+  std::vector<char> scaled_;   ///< has its default scales
+  std::vector<char> bounded_;  ///< a term's bound_step alone would have made the last step short
+  std::vector<char> refine_;   ///< solutions of the linear system are refined
   std::vector<char> good_;  ///< number of points in a row, the last one included, that were solutions but for their products
   bool restarted_ = false;
   bool scales_known_ = false;  ///< of all running components
+  bool linearized_ = false;    ///< the matrix was evaluated at x_
   bool undone_ = false;  ///< some component went back by a step
   Profile* profile_ = nullptr;
 };

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "graphsolve/largest.hpp"
 #include "graphsolve/term.hpp"
 
 namespace graphsolve {
@@ -128,11 +129,8 @@ class PortLawBatch final : public PortBatch {
                      std::span<double> product) const override {
     for (const int i : instances.index) {
       const int c = instances.component[i];
-      const double e = laws_[i].natural_error(scale[c]);
-      // Not std::max: a NaN must stay.
-      if (!(e <= error[c])) error[c] = e;
-      const double p = laws_[i].largest_product();
-      if (!(p <= product[c])) product[c] = p;
+      keep_largest(error[c], laws_[i].natural_error(scale[c]));
+      keep_largest(product[c], laws_[i].largest_product());
     }
   }
   void condense(Instances instances, std::span<const double> largest_ratio, double* values) override {
@@ -159,11 +157,7 @@ class PortLawBatch final : public PortBatch {
     }
   }
   void boundary_ratio(Instances instances, std::span<double> ratio) const override {
-    for (const int i : instances.index) {
-      const double r = laws_[i].boundary_ratio();
-      double& largest = ratio[instances.component[i]];
-      if (!(r <= largest)) largest = r;
-    }
+    for (const int i : instances.index) keep_largest(ratio[instances.component[i]], laws_[i].boundary_ratio());
   }
   void complementarity(Instances instances, std::span<const double> alpha, std::span<double> sum) const override {
     for (const int i : instances.index) {
@@ -175,11 +169,7 @@ class PortLawBatch final : public PortBatch {
     for (const int i : instances.index) laws_[i].accept(alpha[instances.component[i]]);
   }
   void relax(Instances instances, double damping, std::span<double> change) override {
-    for (const int i : instances.index) {
-      double& largest = change[instances.component[i]];
-      const double moved = laws_[i].relax(damping);
-      if (!(moved <= largest)) largest = moved;
-    }
+    for (const int i : instances.index) keep_largest(change[instances.component[i]], laws_[i].relax(damping));
   }
 
  private:
