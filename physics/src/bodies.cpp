@@ -15,27 +15,47 @@ void Bodies::wire(const graphsolve::Wiring& wiring) {
   }
 }
 
+void Bodies::add(const RigidBody& body, graphsolve::NodeId node) {
+  const int i = size();
+  mass.push_back(0);
+  inertia.emplace_back();
+  node_.push_back(node);
+  row.push_back(-1);
+  now.emplace_back();
+  next.emplace_back();
+  known_linear.emplace_back(Vec3::Zero());
+  known_angular.emplace_back(Vec3::Zero());
+  constants_.resize(octets_for(size()));
+  groups_.resize(octets_for(size()));
+  set(i, body);
+}
+
+void Bodies::set(int i, const RigidBody& body) {
+  mass[i] = body.mass;
+  inertia[i] = body.inertia;
+  BodyOctet& octet = constants_[octet_of(i)];
+  octet.mass[lane_of(i)] = body.mass;
+  for (int k = 0; k < 9; ++k) octet.inertia[k][lane_of(i)] = body.inertia.data()[k];
+}
+
 void Bodies::evaluate(graphsolve::Instances instances, std::span<const double> x, std::span<double> residual,
                       double* values) {
-  using Vector3 = Eigen::Map<const Vec3>;
-  for (const int i : instances.index) {
-    const Vec3 v = Vector3(x.data() + row[i]), w = Vector3(x.data() + row[i] + 3);
-    const Pose& from = now[i];
-    Pose& to = next[i];
-    const double s = rotation_scalar(w, dt);
-    to.x = from.x + dt * v;
-    to.q = rotate(from.q, w, s, dt);
-    to.rotation = to.q.toRotationMatrix();
-    to.turn = rotation_derivative(w, s, dt);
-    Eigen::Map<Vec3>(residual.data() + row[i]) += mass[i] * v - known_linear[i];
-    Eigen::Map<Vec3>(residual.data() + row[i] + 3) += momentum_plus(inertia[i], w, s, dt) - known_angular[i];
-    if (!values) continue;
-    Eigen::Map<Eigen::Matrix<double, 6, 6>> block(values + block_[i].offset);
-    block(0, 0) += mass[i];
-    block(1, 1) += mass[i];
-    block(2, 2) += mass[i];
-    block.bottomRightCorner<3, 3>() += momentum_plus_derivative(inertia[i], w, s, dt);
-  }
+  groups_.each(instances.index, [](int i) { return i; }, [&](int octet, unsigned used) {
+    BodyTask task;
+    task.constants = &constants_[octet];
+    task.used = used;
+    task.dt = dt;
+    each_lane(octet, used, [&](int lane, int i) {
+      task.velocity[lane] = x.data() + row[i];
+      task.now[lane] = now[i].x.data();
+      task.next[lane] = next[i].x.data();
+      task.known_linear[lane] = known_linear[i].data();
+      task.known_angular[lane] = known_angular[i].data();
+      task.residual[lane] = residual.data() + row[i];
+      task.block[lane] = values ? values + block_[i].offset : nullptr;
+    });
+    evaluate_bodies(task);
+  });
 }
 
 /// Keeps |w + alpha dw| dt below the bound: the larger root of a quadratic in alpha.

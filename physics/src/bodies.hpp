@@ -5,19 +5,22 @@
 #include "assembly.hpp"
 #include "graphsolve/term.hpp"
 #include "physics/geometry.hpp"
+#include "simd/body_kernels.hpp"
 
 namespace physics {
 
 struct Sensitivity;
 struct StepStart;
 
-/// A body's configuration, and how its rotation answers to the velocity: d theta = dt turn dw.
+/// A body's configuration, and how its rotation answers to the velocity: d theta = dt turn dw. Kernels read and write it
+/// as 25 numbers in this order.
 struct Pose {
   Vec3 x = Vec3::Zero();
   Quat q = Quat::Identity();
   Mat3 rotation = Mat3::Identity();
   Mat3 turn = Mat3::Identity();
 };
+static_assert(sizeof(Pose) == 25 * sizeof(double));
 
 /// The dynamics of all bodies, 6 rows each (eq. 12a without forces):
 ///   m v' - (m v + dt (m g + F)),   p+(w') - (p-(w) + dt tau).
@@ -27,21 +30,9 @@ class Bodies final : public graphsolve::Term {
  public:
   static constexpr double largest_turn = 1.98;  ///< bound on |w| dt
 
-  void add(const RigidBody& body, graphsolve::NodeId node) {
-    mass.push_back(body.mass);
-    inertia.push_back(body.inertia);
-    node_.push_back(node);
-    row.push_back(-1);
-    now.emplace_back();
-    next.emplace_back();
-    known_linear.emplace_back(Vec3::Zero());
-    known_angular.emplace_back(Vec3::Zero());
-  }
+  void add(const RigidBody& body, graphsolve::NodeId node);
   /// Other numbers for body i.
-  void set(int i, const RigidBody& body) {
-    mass[i] = body.mass;
-    inertia[i] = body.inertia;
-  }
+  void set(int i, const RigidBody& body);
 
   // By body.
   std::vector<double> mass;
@@ -56,6 +47,12 @@ class Bodies final : public graphsolve::Term {
   Pose world_pose;
   [[nodiscard]] const Pose& pose_now(int body) const { return body < 0 ? world_pose : now[body]; }
   [[nodiscard]] const Pose& pose_next(int body) const { return body < 0 ? world_pose : next[body]; }
+  void place(int i, const Vec3& x, const Quat& q) {  ///< sets `now`
+    now[i].x = x;
+    if (now[i].q.coeffs() == q.coeffs()) return;
+    now[i].q = q;
+    now[i].rotation = q.toRotationMatrix();
+  }
   [[nodiscard]] graphsolve::NodeId node(int body) const { return node_[body]; }
 
   [[nodiscard]] int size() const override { return static_cast<int>(node_.size()); }
@@ -71,6 +68,8 @@ class Bodies final : public graphsolve::Term {
  private:
   std::vector<graphsolve::NodeId> node_;
   std::vector<graphsolve::BlockHandle> block_;
+  std::vector<BodyOctet> constants_;  ///< mass and inertia once more
+  OctetGroups groups_;
 };
 
 }  // namespace physics

@@ -32,10 +32,10 @@ class ContactPort {
   }
   /// Another point of the same body, another plane.
   void place(const Vec3& point, const Vec3& normal, double offset, double radius) {
-    point_ = point;
-    normal_ = normal;
-    offset_ = offset;
-    radius_ = radius;
+    g_.point = point;
+    g_.normal = normal;
+    g_.offset = offset;
+    g_.radius = radius;
   }
 
   void wire(const graphsolve::Wiring& wiring) {
@@ -45,34 +45,39 @@ class ContactPort {
 
   /// Signed distance at a pose [m].
   [[nodiscard]] double distance(const Pose& pose) const {
-    return normal_.dot(pose.x + pose.rotation * point_) - offset_ - radius_;
+    return g_.normal.dot(pose.x + pose.rotation * g_.point) - g_.offset - g_.radius;
   }
   [[nodiscard]] int body() const { return body_; }
-  [[nodiscard]] const Vec3& normal() const { return normal_; }
-  [[nodiscard]] const Vec3& tangent1() const { return tangent_[0]; }
-  [[nodiscard]] const Vec3& tangent2() const { return tangent_[1]; }
+  [[nodiscard]] const Vec3& normal() const { return g_.normal; }
+  [[nodiscard]] const Vec3& tangent1() const { return g_.tangent[0]; }
+  [[nodiscard]] const Vec3& tangent2() const { return g_.tangent[1]; }
   /// t1 has to be a unit vector normal to n; t2 = n x t1.
   void set_tangent(const Vec3& t1) {
-    tangent_[0] = t1;
-    tangent_[1] = normal_.cross(t1);
+    g_.tangent[0] = t1;
+    g_.tangent[1] = g_.normal.cross(t1);
   }
   [[nodiscard]] Vec3 contact_point(const Pose& pose) const {  ///< body frame, lowest point of the sphere
-    return point_ - radius_ * (pose.rotation.transpose() * normal_);
+    return g_.point - g_.radius * (pose.rotation.transpose() * g_.normal);
   }
 
-  /// Before a step: force directions at `now`.
-  void prepare() { set_directions(bodies_->now[body_]); }
+  /// Force directions: before a step at `now`.
+  void prepare() { prepare(bodies_->now[body_]); }
+  void prepare(const Pose& pose) {
+    const Vec3 p = contact_point(pose);
+    g_.lever[0] = p.cross(pose.rotation.transpose() * g_.normal);
+    for (int r = 1; r < rows; ++r) g_.lever[r] = p.cross(pose.rotation.transpose() * g_.tangent[r - 1]);
+  }
 
   void evaluate(std::span<const double> x, double* u) {
     const Pose& next = bodies_->next[body_];
-    if (bodies_->force_at_next) set_directions(next);
-    const Vec3 local = next.rotation.transpose() * normal_;
-    rate_normal_.noalias() = next.turn.transpose() * point_.cross(local);
-    u[0] = (normal_.dot(next.x) + local.dot(point_) - offset_ - radius_) / bodies_->dt;
+    if (bodies_->force_at_next) prepare(next);
+    const Vec3 local = next.rotation.transpose() * g_.normal;
+    rate_normal_.noalias() = next.turn.transpose() * g_.point.cross(local);
+    u[0] = (g_.normal.dot(next.x) + local.dot(g_.point) - g_.offset - g_.radius) / bodies_->dt;
     if constexpr (rows == 3) {
       const Eigen::Map<const Vec3> v(x.data() + row_), w(x.data() + row_ + 3);
-      u[1] = tangent_[0].dot(v) + lever_[1].dot(w);
-      u[2] = tangent_[1].dot(v) + lever_[2].dot(w);
+      u[1] = g_.tangent[0].dot(v) + g_.lever[1].dot(w);
+      u[2] = g_.tangent[1].dot(v) + g_.lever[2].dot(w);
     }
   }
   /// At the solution x of a step: adds the derivatives of -J1^T f by what the step was given, after those of the bodies.
@@ -81,36 +86,36 @@ class ContactPort {
   /// J1^T (0, f1, f2)
   [[nodiscard]] Eigen::Matrix<double, 6, 1> friction_wrench(const double* f) const {
     Eigen::Matrix<double, 6, 1> wrench;
-    wrench << tangent_[0] * f[0] + tangent_[1] * f[1], lever_[1] * f[0] + lever_[2] * f[1];
+    wrench << g_.tangent[0] * f[0] + g_.tangent[1] * f[1], g_.lever[1] * f[0] + g_.lever[2] * f[1];
     return wrench;
   }
   void add_force(const double* f, double* residual, double sign) const {
-    Vec3 force = normal_ * (sign * f[0]), torque = lever_[0] * (sign * f[0]);
+    Vec3 force = g_.normal * (sign * f[0]), torque = g_.lever[0] * (sign * f[0]);
     if constexpr (rows == 3) {
-      force += tangent_[0] * (sign * f[1]) + tangent_[1] * (sign * f[2]);
-      torque += lever_[1] * (sign * f[1]) + lever_[2] * (sign * f[2]);
+      force += g_.tangent[0] * (sign * f[1]) + g_.tangent[1] * (sign * f[2]);
+      torque += g_.lever[1] * (sign * f[1]) + g_.lever[2] * (sign * f[2]);
     }
     Eigen::Map<Vec3>(residual + row_) += force;
     Eigen::Map<Vec3>(residual + row_ + 3) += torque;
   }
   void rate(const double* dx, double* du) const {
     const Eigen::Map<const Vec3> v(dx + row_), w(dx + row_ + 3);
-    du[0] = normal_.dot(v) + rate_normal_.dot(w);
+    du[0] = g_.normal.dot(v) + rate_normal_.dot(w);
     if constexpr (rows == 3) {
-      du[1] = tangent_[0].dot(v) + lever_[1].dot(w);
-      du[2] = tangent_[1].dot(v) + lever_[2].dot(w);
+      du[1] = g_.tangent[0].dot(v) + g_.lever[1].dot(w);
+      du[2] = g_.tangent[1].dot(v) + g_.lever[2].dot(w);
     }
   }
   void add_condensed(const double* k, double* values) const {
     double* block = values + offset_in_values_;
     double across[6][rows], force[6][rows];
     for (int c = 0; c < 3; ++c) {
-      across[c][0] = force[c][0] = normal_[c];
+      across[c][0] = force[c][0] = g_.normal[c];
       across[c + 3][0] = rate_normal_[c];
-      force[c + 3][0] = lever_[0][c];
+      force[c + 3][0] = g_.lever[0][c];
       for (int r = 1; r < rows; ++r) {
-        across[c][r] = force[c][r] = tangent_[r - 1][c];
-        across[c + 3][r] = force[c + 3][r] = lever_[r][c];
+        across[c][r] = force[c][r] = g_.tangent[r - 1][c];
+        across[c + 3][r] = force[c + 3][r] = g_.lever[r][c];
       }
     }
     for (int c = 0; c < 6; ++c) {
@@ -127,21 +132,25 @@ class ContactPort {
     }
   }
 
- private:
-  void set_directions(const Pose& pose) {
-    const Vec3 p = contact_point(pose);
-    lever_[0] = p.cross(pose.rotation.transpose() * normal_);
-    for (int r = 1; r < rows; ++r) lever_[r] = p.cross(pose.rotation.transpose() * tangent_[r - 1]);
-  }
+  [[nodiscard]] int row() const { return row_; }
+  [[nodiscard]] std::int64_t offset_in_values() const { return offset_in_values_; }
 
+  /// What the contact is and where its forces act, 23 numbers in this order as kernels read them.
+  struct Geometry {
+    Vec3 point, normal;
+    double radius, offset;  ///< offset = n . o
+    std::array<Vec3, 2> tangent{Vec3::Zero(), Vec3::Zero()};
+    std::array<Vec3, 3> lever{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  };
+  static_assert(sizeof(Geometry) == 23 * sizeof(double));
+  [[nodiscard]] const Geometry& geometry() const { return g_; }
+
+ private:
   Bodies* bodies_;
   int body_;
   int row_ = -1;
   std::int64_t offset_in_values_ = -1;
-  Vec3 point_, normal_;
-  double radius_, offset_;  ///< offset = n . o
-  std::array<Vec3, 2> tangent_{Vec3::Zero(), Vec3::Zero()};
-  std::array<Vec3, 3> lever_{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  Geometry g_;
   Vec3 rate_normal_ = Vec3::Zero();
 };
 

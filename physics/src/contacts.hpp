@@ -11,6 +11,7 @@
 #include "graphsolve/port_batch.hpp"
 #include "interleaving.hpp"
 #include "physics/trajectory.hpp"
+#include "pyramid_contacts.hpp"
 #include "pyramid_law.hpp"
 
 namespace physics {
@@ -95,7 +96,7 @@ class Contacts {
   Bodies& bodies_;
   Interleaving side_by_side_;
   int per_lane_ = 0;
-  graphsolve::PortLawBatch<ContactPort<3>, PyramidLaw<4>> four_;
+  PyramidContacts four_;
   graphsolve::PortLawBatch<ContactPort<3>, PyramidLaw<0>> any_;
   graphsolve::PortLawBatch<ContactPort<1>, graphsolve::Nonnegative> none_;
   std::vector<Entry> contacts_;

@@ -13,22 +13,22 @@ void ContactPort<Rows>::differentiate(std::span<const double> x, const ContactRe
   const Pose &now = bodies_->now[body_], &next = bodies_->next[body_];
   const Eigen::Map<const Vec3> w2(x.data() + row_ + 3);
   const Mat3 to_body = now.rotation.transpose();
-  const Vec3 p = contact_point(now), n = to_body * normal_, n2 = next.rotation.transpose() * normal_;
-  Vec3 axis[3] = {normal_, tangent_[0], tangent_[1]};
+  const Vec3 p = contact_point(now), n = to_body * g_.normal, n2 = next.rotation.transpose() * g_.normal;
+  Vec3 axis[3] = {g_.normal, g_.tangent[0], g_.tangent[1]};
   Columns force;  // J1^T
   Vec3 pushed = Vec3::Zero();
   for (int r = 0; r < Rows; ++r) {
-    force.col(r) << axis[r], lever_[r];
+    force.col(r) << axis[r], g_.lever[r];
     pushed += axis[r] * response.force[r];
   }
   // Arm p x g, g = R^T a: the body turns under g, and a sphere's lowest point wanders (p = point - radius n).
   const auto turned_arm = [&](const Vec3& a) -> Mat3 {
     const Mat3 g = skew(to_body * a);
-    return skew(p) * g + radius_ * g * skew(n);
+    return skew(p) * g + g_.radius * g * skew(n);
   };
   Eigen::Matrix<double, Rows, 6> rate = Eigen::Matrix<double, Rows, 6>::Zero();  // du by the pose
-  rate.row(0).template head<3>() = normal_.transpose() / bodies_->dt;
-  rate.row(0).template tail<3>() = point_.cross(n2).transpose() * out.carry[body_] / bodies_->dt;
+  rate.row(0).template head<3>() = g_.normal.transpose() / bodies_->dt;
+  rate.row(0).template tail<3>() = g_.point.cross(n2).transpose() * out.carry[body_] / bodies_->dt;
   for (int r = 1; r < Rows; ++r) rate.row(r).template tail<3>() = w2.transpose() * turned_arm(axis[r]);
   const Columns stiff = force * Eigen::Map<const Eigen::Matrix<double, Rows, Rows>>(response.stiffness);
   Matrix6& pose = out.pose[body_];
@@ -42,21 +42,33 @@ void ContactPort<Rows>::differentiate(std::span<const double> x, const ContactRe
     by_turn -= force.col(2) * f[1] - force.col(1) * f[2];
     const Vec3 &w = start.w[body_], t2 = to_body * axis[2];
     Vector6 slip_by_pose = Vector6::Zero(), slip_by_velocity;
-    slip_by_pose.template tail<3>() = -(t2.transpose() * (skew(w.cross(p)) + radius_ * skew(w) * skew(n)));
-    slip_by_velocity << axis[2], lever_[2];
+    slip_by_pose.template tail<3>() = -(t2.transpose() * (skew(w.cross(p)) + g_.radius * skew(w) * skew(n)));
+    slip_by_velocity << axis[2], g_.lever[2];
     pose.noalias() += by_turn * (slip_by_pose.transpose() / -response.slip_speed);
     out.velocity[body_].noalias() += by_turn * (slip_by_velocity.transpose() / -response.slip_speed);
   }
 }
+
+namespace {
+
+/// A law that can be asked on its own.
+template <class Law>
+decltype(auto) whole(Law& law) {
+  if constexpr (requires { law.copy(); }) return law.copy();
+  else return (law);
+}
+
+}  // namespace
 
 void Contacts::differentiate(int lane, std::span<const double> x, const StepStart& start, bool basis_follows, double stiffness,
                              Sensitivity& out) {
   for (int i = 0; i < per_lane_; ++i) {
     const Entry& entry = contacts_[side_by_side_.index(lane, i, per_lane_)];
     if (!entry.active) continue;
-    visit(entry, [&](auto& port, auto& law) {
+    visit(entry, [&](auto& port, auto&& kept) {
       constexpr int rows = std::decay_t<decltype(port)>::rows;
       ContactResponse<rows> response;
+      auto&& law = whole(kept);
       port.evaluate(x, response.rate);
       law.residual(response.rate, response.force);
       law.condense(stiffness * law.scale(), response.stiffness);

@@ -79,6 +79,7 @@ StepGradient::Impl::Rewound::Rewound(Impl& owner) : owner_(owner) {
   s.load_state_into_terms(only, s.dt);
   s.apply_loads(only, owner_.impulse_time);
   for (int j = 0; j < s.joints.size(); ++j) s.joints.prepare(j, owner_.lane().time, owner_.impulse_time);
+  s.joints.aim();
   s.unknowns = owner_.unknowns;
 }
 
@@ -86,13 +87,7 @@ StepGradient::Impl::Rewound::~Rewound() {
   Simulator::Impl& s = owner_.simulator;
   ++owner_.lane().step_index;
   exchange();
-  for (int i = 0; i < s.bodies.size(); ++i) {
-    Pose& pose = s.bodies.now[i];
-    pose.x = s.state.x[i];
-    pose.q = s.state.q[i];
-    pose.rotation = pose.q.toRotationMatrix();
-    pose.turn.setIdentity();
-  }
+  for (int i = 0; i < s.bodies.size(); ++i) s.bodies.place(i, s.state.x[i], s.state.q[i]);
 }
 
 void StepGradient::Impl::Rewound::exchange() {

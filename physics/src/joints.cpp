@@ -24,6 +24,36 @@ Mat3 frame_about(const Vec3& axis) {
   return frame;
 }
 
+JointRows rows_kind(const JointGeometry& geometry, const Motor* motor) {
+  switch (geometry.type) {
+    case JointType::fixed: break;
+    case JointType::spherical: return JointRows::spherical;
+    case JointType::revolute: return motor ? JointRows::revolute_motor : JointRows::revolute;
+    case JointType::prismatic: return motor ? JointRows::prismatic_motor : JointRows::prismatic;
+  }
+  return JointRows::fixed;
+}
+
+void set_octet(const JointGeometry& geometry, const Mat3& frame, JointOctet& octet, int lane) {
+  const Mat3 orientation = geometry.orientation.toRotationMatrix();
+  for (int k = 0; k < 3; ++k) {
+    octet.child_point[k][lane] = geometry.child_point[k];
+    octet.parent_point[k][lane] = geometry.parent_point[k];
+    octet.axis[k][lane] = geometry.axis[k];
+    for (int side = 0; side < 2; ++side) octet.side[side][k][lane] = frame(side, k);
+  }
+  for (int k = 0; k < 4; ++k) octet.orientation[k][lane] = geometry.orientation.coeffs()[k];
+  for (int k = 0; k < 9; ++k) octet.orientation_matrix[k][lane] = orientation.data()[k];
+}
+
+/// Rows x 6 of one lane.
+Joints::Matrix6 rows_at(const Octet* entries, int rows, int lane) {
+  Joints::Matrix6 m = Joints::Matrix6::Zero();
+  for (int r = 0; r < rows; ++r)
+    for (int c = 0; c < 6; ++c) m(r, c) = entries[6 * r + c][lane];
+  return m;
+}
+
 }  // namespace
 
 int Joints::rows_of(const JointGeometry& geometry, const Motor* motor) {
@@ -42,8 +72,25 @@ void Joints::add(const JointGeometry& geometry, const Motor* motor, graphsolve::
   joint.node_count = 1;
   if (geometry.child >= 0) joint.nodes[joint.node_count++] = bodies_.node(geometry.child);
   if (geometry.parent >= 0) joint.nodes[joint.node_count++] = bodies_.node(geometry.parent);
+  joint.place = take_place(rows_kind(geometry, motor));
   joints_.push_back(joint);
+  to_aim_.reserve(joints_.size());
+  wrenches_.emplace_back();
   set(size() - 1, geometry, motor);
+}
+
+/// A lane in an octet of joints with such rows.
+int Joints::take_place(JointRows rows) {
+  int& next = next_place_[static_cast<int>(rows)];
+  if (lane_of(next) == 0) {
+    next = static_cast<int>(joint_at_.size());
+    octets_.emplace_back();
+    octet_rows_.push_back(rows);
+    joint_at_.resize(next + graphsolve::simd::lanes, -1);
+    groups_.resize(static_cast<int>(octets_.size()));
+  }
+  joint_at_[next] = size();
+  return next++;
 }
 
 void Joints::set(int i, const JointGeometry& geometry, const Motor* motor) {
@@ -56,6 +103,7 @@ void Joints::set(int i, const JointGeometry& geometry, const Motor* motor) {
   const Mat3 frame = frame_about(geometry.axis);
   joint.translation = geometry.type == JointType::prismatic ? frame : Mat3::Identity();
   joint.rotation = geometry.type == JointType::revolute ? frame : Mat3::Identity();
+  set_octet(geometry, frame, octets_[octet_of(joint.place)], lane_of(joint.place));
 }
 
 void Joints::wire(const graphsolve::Wiring& wiring) {
@@ -91,54 +139,27 @@ void Joints::violation(const Joint& joint, const Pose& a, const Pose& b, double*
     g[joint.translation_rows + i] = 2 * joint.rotation.row(i).dot(e.vec());
 }
 
-/// Derivatives by (x, theta) of either body over dt; with turn = I the force directions.
-void Joints::jacobian(const Joint& joint, const Pose& a, const Pose& b, Matrix6& parent, Matrix6& child) const {
-  const JointGeometry& g = joint.geometry;
-  const Mat3 child_lever = -b.rotation * skew(g.child_point);
-  const int nt = joint.translation_rows;
-  if (nt == 3) {
-    child.topLeftCorner<3, 3>().setIdentity();
-    child.topRightCorner<3, 3>().noalias() = child_lever * b.turn;
-    parent.topLeftCorner<3, 3>() = -Mat3::Identity();
-    parent.topRightCorner<3, 3>().noalias() = a.rotation * skew(g.parent_point) * a.turn;
-  } else {
-    const Mat3 local = joint.translation * a.rotation.transpose();
-    const Vec3 arm = a.rotation.transpose() * (b.x + b.rotation * g.child_point - a.x);
-    child.topLeftCorner(nt, 3) = local.topRows(nt);
-    child.topRightCorner(nt, 3) = (local * child_lever * b.turn).topRows(nt);
-    parent.topLeftCorner(nt, 3) = -local.topRows(nt);
-    parent.topRightCorner(nt, 3) = (joint.translation * skew(arm) * a.turn).topRows(nt);
-  }
-  const int nr = joint.rotation_rows;
-  if (nr > 0) {
-    // d(2 vec e) = (w I + [v]x) R_off theta_b = -(w I - [v]x) theta_a
-    const Quat e = relative_rotation(g, a, b);
-    const Mat3 v = skew(e.vec()), w = e.w() * Mat3::Identity();
-    const Mat3 by_child = joint.rotation * (w + v) * g.orientation.toRotationMatrix() * b.turn;
-    const Mat3 by_parent = -joint.rotation * (w - v) * a.turn;
-    child.block(nt, 0, nr, 3).setZero();
-    child.block(nt, 3, nr, 3) = by_child.topRows(nr);
-    parent.block(nt, 0, nr, 3).setZero();
-    parent.block(nt, 3, nr, 3) = by_parent.topRows(nr);
-  }
-  if (!joint.motor) return;
-  if (g.type == JointType::revolute) {
-    // Derivative of 2 atan2(axis . v, w), exact off the hinge's manifold too.
-    const Quat e = relative_rotation(g, a, b);
-    const double along = g.axis.dot(e.vec()), square = e.w() * e.w() + along * along;
-    const Vec3 even = (e.w() * e.w() * g.axis + along * e.vec()) / square, odd = e.w() / square * g.axis.cross(e.vec());
-    child.row(5).setZero();
-    child.row(5).tail<3>() = (even + odd).transpose() * g.orientation.toRotationMatrix() * b.turn;
-    parent.row(5).setZero();
-    parent.row(5).tail<3>() = -(even - odd).transpose() * a.turn;
-  } else {
-    const Vec3 arm = a.rotation.transpose() * (b.x + b.rotation * g.child_point - a.x);
-    const Eigen::RowVector3d axis = g.axis.transpose() * a.rotation.transpose();
-    child.row(5).head<3>() = axis;
-    child.row(5).tail<3>() = axis * child_lever * b.turn;
-    parent.row(5).head<3>() = -axis;
-    parent.row(5).tail<3>() = g.axis.transpose() * skew(arm) * a.turn;
-  }
+void Joints::directions(const JointGeometry& geometry, const Motor* motor, const Pose& a, const Pose& b,
+                        Matrix6& parent, Matrix6& child) {
+  JointOctet octet;
+  set_octet(geometry, frame_about(geometry.axis), octet, 0);
+  JointTask task;
+  task.rows = rows_kind(geometry, motor);
+  task.octet = &octet;
+  task.used = 1;
+  std::fill_n(task.parent, 8, a.x.data());
+  std::fill_n(task.child, 8, b.x.data());
+  aim_joints(task);
+  parent = rows_at(octet.parent_force, 6, 0);
+  child = rows_at(octet.child_force, 6, 0);
+}
+
+Joints::Matrix6 Joints::parent_force(const Joint& joint) const {
+  return rows_at(octets_[octet_of(joint.place)].parent_force, joint.rows, lane_of(joint.place));
+}
+
+Joints::Matrix6 Joints::child_force(const Joint& joint) const {
+  return rows_at(octets_[octet_of(joint.place)].child_force, joint.rows, lane_of(joint.place));
 }
 
 double Joints::coordinate(const Joint& joint, const Pose& a, const Pose& b) const {
@@ -164,16 +185,6 @@ double Joints::motor_residual(Joint& joint, double lambda, double& diagonal) {
   return (lambda - joint.impulse_time * effort) * diagonal;
 }
 
-void Joints::set_directions(Joint& joint, Pose parent, Pose child) {
-  parent.turn = child.turn = Mat3::Identity();
-  jacobian(joint, parent, child, joint.parent_force, joint.child_force);
-  const JointGeometry& g = joint.geometry;
-  const Vec3 point = child.x + child.rotation * g.child_point;
-  const Pose& recorded = g.child >= 0 ? child : parent;
-  joint.force_rotation = recorded.rotation;
-  joint.force_arm = point - recorded.x;
-}
-
 /// With directions at `next` the torque p x R^T impulse turns with the body. (Of the rows in all three axes of the
 /// world only; the others are left to converge as they do without it.)
 void Joints::add_direction_derivative(const Joint& joint, const Vec3& impulse, double* values) const {
@@ -192,8 +203,36 @@ void Joints::add_direction_derivative(const Joint& joint, const Vec3& impulse, d
 void Joints::prepare(int i, double end_time, double impulse_time) {
   Joint& joint = joints_[i];
   joint.impulse_time = impulse_time;
-  set_directions(joint, bodies_.pose_now(joint.geometry.parent), bodies_.pose_now(joint.geometry.child));
   if (joint.motor) joint.target = motor_target(*joint.motor, end_time);
+  to_aim_.push_back(i);
+}
+
+void Joints::aim() {
+  aim(to_aim_, false);
+  to_aim_.clear();
+}
+
+void Joints::aim(std::span<const int> joints, bool at_next) {
+  const auto pose = [&](int body) -> const Pose& { return at_next ? bodies_.pose_next(body) : bodies_.pose_now(body); };
+  groups_.each(joints, [&](int i) { return joints_[i].place; }, [&](int octet, unsigned used) {
+    JointTask task;
+    task.rows = octet_rows_[octet];
+    task.octet = &octets_[octet];
+    task.used = used;
+    each_lane(octet, used, [&](int lane, int place) {
+      const JointGeometry& g = joints_[joint_at_[place]].geometry;
+      task.parent[lane] = pose(g.parent).x.data();
+      task.child[lane] = pose(g.child).x.data();
+    });
+    aim_joints(task);
+  });
+  for (const int i : joints) {
+    Joint& joint = joints_[i];
+    const JointGeometry& g = joint.geometry;
+    const Pose &child = pose(g.child), &recorded = g.child >= 0 ? child : pose(g.parent);
+    joint.force_rotation = recorded.rotation;
+    joint.force_arm = child.x + child.rotation * g.child_point - recorded.x;
+  }
 }
 
 void Joints::reset_coordinate(int i) {
@@ -203,69 +242,63 @@ void Joints::reset_coordinate(int i) {
       coordinate(joint, bodies_.pose_now(joint.geometry.parent), bodies_.pose_now(joint.geometry.child));
 }
 
-namespace {
-
-/// residual -= force^T lambda, rows of one body
-template <int N>
-void push(double* residual, const Joints::Matrix6& force, const double* lambda) {
-  for (int j = 0; j < 6; ++j) {
-    double sum = 0;
-    for (int i = 0; i < N; ++i) sum += force(i, j) * lambda[i];
-    residual[j] -= sum;
-  }
-}
-
-/// Blocks (joint, body) += derivative and (body, joint) -= force^T
-template <int N>
-void write(double* down, double* across, const Joints::Matrix6& derivative, const Joints::Matrix6& force) {
-  for (int j = 0; j < 6; ++j)
-    for (int i = 0; i < N; ++i) down[j * N + i] += derivative(i, j);
-  for (int i = 0; i < N; ++i)
-    for (int j = 0; j < 6; ++j) across[i * 6 + j] -= force(i, j);
-}
-
-}  // namespace
-
 void Joints::evaluate(graphsolve::Instances instances, std::span<const double> x, std::span<double> residual,
                       double* values) {
-  for (const int k : instances.index) {
-    Joint& joint = joints_[k];
-    switch (joint.rows) {
-      case 3: evaluate_one<3>(joint, x, residual, values); break;
-      case 5: evaluate_one<5>(joint, x, residual, values); break;
-      default: evaluate_one<6>(joint, x, residual, values);
-    }
-  }
+  if (bodies_.force_at_next) aim(instances.index, true);
+  groups_.each(instances.index, [&](int i) { return joints_[i].place; },
+               [&](int octet, unsigned used) { evaluate_octet(octet, used, x, residual, values); });
+  // In the order of the joints, whatever octets they are in: sums in bits depend on it.
+  for (const int i : instances.index) add_forces(i, x, residual, values);
 }
 
-template <int N>
-void Joints::evaluate_one(Joint& joint, std::span<const double> x, std::span<double> residual, double* values) {
-  const Pose &a = bodies_.pose_next(joint.geometry.parent), &b = bodies_.pose_next(joint.geometry.child);
-  if (bodies_.force_at_next) set_directions(joint, a, b);
-  double g[6];
-  violation(joint, a, b, g);
-  const double rate = 1 / bodies_.dt;
-  for (int i = 0; i < joint.translation_rows + joint.rotation_rows; ++i) residual[joint.row + i] += g[i] * rate;
-  double diagonal = 0;
-  if (joint.motor) residual[joint.row + 5] += motor_residual(joint, x[joint.row + 5], diagonal);
-  const double* lambda = x.data() + joint.row;
-  if (joint.child_row >= 0) push<N>(residual.data() + joint.child_row, joint.child_force, lambda);
-  if (joint.parent_row >= 0) push<N>(residual.data() + joint.parent_row, joint.parent_force, lambda);
-  if (!values) return;
-  Matrix6 parent, child;
-  jacobian(joint, a, b, parent, child);
-  if (bodies_.force_at_next) add_direction_derivative(joint, Eigen::Map<const Vec3>(lambda), values);
-  if (joint.motor) {
-    values[joint.own.offset + 5 * 6 + 5] += diagonal;
-    if (joint.limited) {  // the effort no longer answers to the velocity
-      parent.row(5).setZero();
-      child.row(5).setZero();
-    }
-  }
+void Joints::evaluate_octet(int octet, unsigned used, std::span<const double> x, std::span<double> residual,
+                            double* values) {
+  double nowhere[36];
+  JointTask task;
+  task.rows = octet_rows_[octet];
+  task.octet = &octets_[octet];
+  task.used = used;
+  task.dt = bodies_.dt;
+  each_lane(octet, used, [&](int lane, int place) {
+    const int i = joint_at_[place];
+    const Joint& joint = joints_[i];
+    const JointGeometry& g = joint.geometry;
+    task.parent[lane] = bodies_.pose_next(g.parent).x.data();
+    task.child[lane] = bodies_.pose_next(g.child).x.data();
+    task.impulses[lane] = x.data() + joint.row;
+    task.residual[lane] = residual.data() + joint.row;
+    task.wrenches[lane] = wrenches_[i].data();
+    const auto block = [&](int body, const graphsolve::BlockHandle& handle) {
+      return !values ? nullptr : body < 0 ? nowhere : values + handle.offset;
+    };
+    task.to_child[lane] = block(g.child, joint.to_child);
+    task.to_parent[lane] = block(g.parent, joint.to_parent);
+    task.from_child[lane] = block(g.child, joint.from_child);
+    task.from_parent[lane] = block(g.parent, joint.from_parent);
+  });
+  evaluate_joints(task);
+}
+
+/// What the octets leave out: forces on the bodies, and motors.
+void Joints::add_forces(int i, std::span<const double> x, std::span<double> residual, double* values) {
+  Joint& joint = joints_[i];
+  const double* wrench = wrenches_[i].data();
   if (joint.child_row >= 0)
-    write<N>(values + joint.to_child.offset, values + joint.from_child.offset, child, joint.child_force);
+    for (int k = 0; k < 6; ++k) residual[joint.child_row + k] -= wrench[k];
   if (joint.parent_row >= 0)
-    write<N>(values + joint.to_parent.offset, values + joint.from_parent.offset, parent, joint.parent_force);
+    for (int k = 0; k < 6; ++k) residual[joint.parent_row + k] -= wrench[6 + k];
+  if (values && bodies_.force_at_next)
+    add_direction_derivative(joint, Eigen::Map<const Vec3>(x.data() + joint.row), values);
+  if (!joint.motor) return;
+  double diagonal = 0;
+  residual[joint.row + 5] += motor_residual(joint, x[joint.row + 5], diagonal);
+  if (!values) return;
+  values[joint.own.offset + 5 * 6 + 5] += diagonal;
+  if (!joint.limited) return;
+  for (int k = 0; k < 6; ++k) {  // the effort no longer answers to the velocity
+    if (joint.parent_row >= 0) values[joint.to_parent.offset + 6 * k + 5] = 0;
+    if (joint.child_row >= 0) values[joint.to_child.offset + 6 * k + 5] = 0;
+  }
 }
 
 double Joints::error(int i, const Pose& parent, const Pose& child) const {
@@ -279,7 +312,7 @@ double Joints::error(int i, const Pose& parent, const Pose& child) const {
 void Joints::impulse(int i, std::span<const double> x, Vec3& linear, Vec3& angular) const {
   const Joint& joint = joints_[i];
   const bool on_child = joint.geometry.child >= 0;
-  const Matrix6& force = on_child ? joint.child_force : joint.parent_force;
+  const Matrix6 force = on_child ? child_force(joint) : parent_force(joint);
   Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
   for (int r = 0; r < joint.rows; ++r) wrench += force.row(r).transpose() * x[joint.row + r];
   linear = wrench.head<3>();
@@ -291,12 +324,13 @@ double Joints::motor_impulse(int i, std::span<const double> x) const { return x[
 
 double Joints::opening_rate(int i, std::span<const double> x) const {
   const Joint& joint = joints_[i];
+  const Matrix6 on_child = child_force(joint), on_parent = parent_force(joint);
   double largest = 0;
   for (int r = 0; r < joint.translation_rows + joint.rotation_rows; ++r) {
     double rate = 0;
     for (int j = 0; j < 6; ++j) {
-      if (joint.child_row >= 0) rate += joint.child_force(r, j) * x[joint.child_row + j];
-      if (joint.parent_row >= 0) rate += joint.parent_force(r, j) * x[joint.parent_row + j];
+      if (joint.child_row >= 0) rate += on_child(r, j) * x[joint.child_row + j];
+      if (joint.parent_row >= 0) rate += on_parent(r, j) * x[joint.parent_row + j];
     }
     largest = std::max(largest, std::abs(rate));
   }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "bodies.hpp"
+#include "simd/joint_kernels.hpp"
 
 namespace physics {
 
@@ -30,9 +31,11 @@ class Joints final : public graphsolve::Term {
   /// Other numbers for joint i, of the same type between the same bodies.
   void set(int i, const JointGeometry& geometry, const Motor* motor);
 
-  /// Before a step: force directions at `now`, motor state. end_time: of the step [s].
-  /// impulse_time: what makes an impulse of a force, dt or half of it [s].
+  /// Before a step: motor state. end_time: of the step [s]. impulse_time: what makes an impulse of a force, dt or half
+  /// of it [s].
   void prepare(int i, double end_time, double impulse_time);
+  /// Force directions at `now` of the joints that were prepared since the last call.
+  void aim();
   /// After a step that is kept: remembers the motor's coordinate.
   void commit(int i) { joints_[i].coordinate = joints_[i].next_coordinate; }
   /// Keeps the motor's coordinate, or goes back to what was kept.
@@ -81,7 +84,7 @@ class Joints final : public graphsolve::Term {
     Eigen::Matrix<double, 3, 3> translation, rotation;  ///< locked axes as rows, parent frame
     int row = -1, parent_row = -1, child_row = -1;
     graphsolve::BlockHandle own, to_parent, to_child, from_parent, from_child, parent_own, child_own;
-    Matrix6 parent_force, child_force;  ///< force directions, rows x 6
+    int place;  ///< lane and octet that hold its numbers and force directions
     double coordinate = 0;              ///< of the motor at `now`
     double next_coordinate = 0, saved_coordinate = 0;
     bool limited = false;  ///< the effort at the last point evaluated is at its limit
@@ -93,22 +96,35 @@ class Joints final : public graphsolve::Term {
   };
 
   void violation(const Joint& joint, const Pose& a, const Pose& b, double* g) const;
-  void jacobian(const Joint& joint, const Pose& a, const Pose& b, Matrix6& parent, Matrix6& child) const;
+  /// Rows x 6: derivatives of the rows by (x, theta) of parent and child, theta in the body's frame.
+  static void directions(const JointGeometry& geometry, const Motor* motor, const Pose& a, const Pose& b,
+                         Matrix6& parent, Matrix6& child);
+  [[nodiscard]] Matrix6 parent_force(const Joint& joint) const;  ///< rows x 6
+  [[nodiscard]] Matrix6 child_force(const Joint& joint) const;
   double coordinate(const Joint& joint, const Pose& a, const Pose& b) const;
-  /// Residual of the motor row; fills its diagonal entry and tells whether the effort is at its limit.
-  template <int N>
-  void evaluate_one(Joint& joint, std::span<const double> x, std::span<double> residual, double* values);
+  int take_place(JointRows rows);
+  void aim(std::span<const int> joints, bool at_next);
+  void evaluate_octet(int octet, unsigned used, std::span<const double> x, std::span<double> residual, double* values);
+  void add_forces(int i, std::span<const double> x, std::span<double> residual, double* values);
   struct DirectionDerivative;
   void differentiate_translation(const Joint& joint, std::span<const double> lambda, DirectionDerivative& d) const;
   void differentiate_rotation(const Joint& joint, std::span<const double> lambda, DirectionDerivative& d) const;
   void differentiate_rows(const Joint& joint, Sensitivity& out) const;
   void differentiate_effort(const Joint& joint, Sensitivity& out) const;
-  void set_directions(Joint& joint, Pose parent, Pose child);
   void add_direction_derivative(const Joint& joint, const Vec3& impulse, double* values) const;
+  /// Residual of the motor row and its diagonal entry; tells whether the effort is at its limit.
   double motor_residual(Joint& joint, double lambda, double& diagonal);
 
   Bodies& bodies_;
   std::vector<Joint> joints_;
+  // Octets hold joints with equal rows; the last of each kind may have lanes to spare.
+  std::vector<JointOctet> octets_;
+  std::vector<JointRows> octet_rows_;
+  std::vector<int> joint_at_;               ///< by place
+  std::array<int, joint_row_kinds> next_place_{};  ///< a multiple of 8: in an octet that is not there yet
+  OctetGroups groups_;
+  std::vector<int> to_aim_;
+  std::vector<std::array<double, 12>> wrenches_;  ///< by joint, at the last point evaluated: on child, on parent
 };
 
 }  // namespace physics

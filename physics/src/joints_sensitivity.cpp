@@ -11,7 +11,7 @@ struct QuaternionRate {
   Mat3 vector;
 };
 
-/// Derivative of  even +- odd,  the direction of a hinge's motor (Joints::jacobian), at e.
+/// Derivative of  even +- odd,  the direction of a hinge's motor (joint_kernels.cpp), at e.
 Mat3 hinge_direction_derivative(const Vec3& axis, const Quat& e, const QuaternionRate& by, double sign) {
   const Vec3 v = e.vec(), cross = axis.cross(v);
   const double w = e.w(), along = axis.dot(v), square = w * w + along * along;
@@ -88,10 +88,8 @@ void Joints::differentiate_rotation(const Joint& joint, std::span<const double> 
 /// The joint's own rows: g(z2) / dt, and a motor that also knows its coordinate at z1.
 void Joints::differentiate_rows(const Joint& joint, Sensitivity& out) const {
   const JointGeometry& g = joint.geometry;
-  Pose a = bodies_.pose_next(g.parent), b = bodies_.pose_next(g.child);
-  a.turn = b.turn = Mat3::Identity();
   Matrix6 parent, child;
-  jacobian(joint, a, b, parent, child);
+  directions(g, joint.motor, bodies_.pose_next(g.parent), bodies_.pose_next(g.child), parent, child);
   const double damped =
       joint.motor ? joint.motor->damping / (joint.motor->stiffness * bodies_.dt + joint.motor->damping) : 0;
   const auto push = [&](int body, Matrix6& by_next, const Matrix6& force) {
@@ -101,8 +99,8 @@ void Joints::differentiate_rows(const Joint& joint, Sensitivity& out) const {
     if (joint.limited) by_next.row(5).setZero();
     out.across.push_back({joint.row, joint.rows, body, by_next / bodies_.dt});
   };
-  push(g.parent, parent, joint.parent_force);
-  push(g.child, child, joint.child_force);
+  push(g.parent, parent, parent_force(joint));
+  push(g.child, child, child_force(joint));
 }
 
 /// An effort on the free coordinate: added to what the motor wants, or along the axis of a joint without one.
@@ -115,17 +113,14 @@ void Joints::differentiate_effort(const Joint& joint, Sensitivity& out) const {
     out.effort.push_back({g.source, joint.row + 5, 1, value});
     return;
   }
-  static const Motor any;
-  Joint driven = joint;
-  driven.motor = &any;  // for its direction
-  Pose a = bodies_.pose_now(g.parent), b = bodies_.pose_now(g.child);
-  a.turn = b.turn = Mat3::Identity();
-  jacobian(driven, a, b, driven.parent_force, driven.child_force);
+  static const Motor any;  // for its direction
+  Matrix6 parent, child;
+  directions(g, &any, bodies_.pose_now(g.parent), bodies_.pose_now(g.child), parent, child);
   const auto push = [&](int body, int row, const Matrix6& force) {
     if (body >= 0) out.effort.push_back({g.source, row, 6, -joint.impulse_time * force.row(5).transpose()});
   };
-  push(g.parent, joint.parent_row, driven.parent_force);
-  push(g.child, joint.child_row, driven.child_force);
+  push(g.parent, joint.parent_row, parent);
+  push(g.child, joint.child_row, child);
 }
 
 void Joints::differentiate(std::span<const double> x, Sensitivity& out) const {

@@ -7,7 +7,9 @@
 #include <type_traits>
 #include <vector>
 
+#include "graphsolve/largest.hpp"
 #include "graphsolve/pair.hpp"
+#include "pyramid_impulses.hpp"
 
 namespace physics {
 
@@ -16,6 +18,21 @@ namespace physics {
 /// slow down the last iterations, which gain a factor of it over the mass that is pressed on.)
 inline double largest_stiffness(double mass, double smallest_inertia, double arm) {
   return 1e12 / (1 / mass + arm * arm / smallest_inertia);
+}
+
+/// One step of the relaxation of a friction bound: frozen at what it is, moved by `damping`, or set free by 0. Returns the
+/// change relative to the scale. Flag is bool or a number that is 0 or 1.
+template <class Flag>
+double relax_bound(double bound, double scale, double damping, Flag& frozen, double& frozen_bound) {
+  if (damping == 0) {
+    frozen = 0;
+    return 0;
+  }
+  if (!(frozen != 0)) frozen_bound = bound;
+  frozen = 1;
+  const double change = std::abs(bound - frozen_bound) / scale;
+  frozen_bound += damping * (bound - frozen_bound);
+  return change;
 }
 
 /// Contact with pyramidal Coulomb friction (eq. 15, 20 with slacks, 26c-i), rows n, t1, t2.
@@ -27,7 +44,7 @@ inline double largest_stiffness(double mass, double smallest_inertia, double arm
 ///   K_tt = (q sum w_i d_i d_i^T + sum_{i<j} w_i w_j (d_i - d_j)(d_i - d_j)^T) / S,
 /// forms that do not cancel.
 template <int Facets>
-class PyramidLaw {
+class PyramidLaw : public PyramidImpulses<PyramidLaw<Facets>> {
  public:
   static constexpr int rows = 3;
 
@@ -48,46 +65,24 @@ class PyramidLaw {
   [[nodiscard]] int facets() const { return static_cast<int>(facet_.size()); }
   [[nodiscard]] int degree() const { return facets() + 2; }
   [[nodiscard]] double scale() const { return scale_; }
-  [[nodiscard]] double normal_impulse() const { return normal_.z; }
-  [[nodiscard]] double friction_bound() const { return friction_ * normal_.z; }  ///< cf gamma
-  [[nodiscard]] double facet_impulse(int i) const { return facet_[i].z; }
-  void friction_impulse(double* t) const {
-    t[0] = t[1] = 0;
-    for (int i = 0; i < facets(); ++i) {
-      t[0] += facet_[i].z * direction(i)[0];
-      t[1] += facet_[i].z * direction(i)[1];
-    }
+  [[nodiscard]] double friction() const { return friction_; }
+  [[nodiscard]] double& z(int pair) const {
+    auto& self = const_cast<PyramidLaw&>(*this);  // PyramidImpulses hands it out as const only to readers
+    return pair == 0 ? self.normal_.z : pair <= facets() ? self.facet_[pair - 1].z : self.bound_.z;
   }
-
-  /// Forgets the forces of earlier steps.
-  void clear() {
-    normal_.z = bound_.z = 0;
-    for (auto& f : facet_) f.z = 0;
+  [[nodiscard]] const std::array<double, 2>& direction(int i) const {
+    if constexpr (Facets == 4) return cross_facets[i];
+    else return direction_[i];
   }
-  /// Takes up the impulses of an earlier step, facets in order.
-  void set_impulses(double normal, std::span<const double> facet_impulses) {
-    normal_.z = normal;
-    double sum = 0;
-    for (int i = 0; i < facets(); ++i) sum += facet_[i].z = facet_impulses[i];
-    bound_.z = std::max(friction_ * normal - sum, 0.0);
+  /// Other numbers; forgets all impulses.
+  void describe(double friction, double island_mass, double stiffness, int facets) {
+    *this = PyramidLaw(friction, island_mass, stiffness, facets);
   }
-  /// After the tangents have turned: the same friction impulse, given in the new ones, on the nearest facets.
-  void split_friction(const double* t) {
-    const double least = 1e-9 * scale_;
-    double sum = 0;
-    for (int i = 0; i < facets(); ++i) {
-      const double along = t[0] * direction(i)[0] + t[1] * direction(i)[1];
-      facet_[i].z = std::max(along * 4 / facets(), least);  // sum over facets of d d^T = facets / 2
-      sum += facet_[i].z;
-    }
-    bound_.z = std::max(friction_ * normal_.z - sum, least);
-  }
-
-  /// Impulses of a step of another length.
-  void scale_impulses(double factor) {
-    normal_.z *= factor;
-    bound_.z *= factor;
-    for (auto& f : facet_) f.z *= factor;
+  /// Pairs as PyramidImpulses numbers them.
+  void set_pair(int pair, double s, double z) {
+    graphsolve::Pair& p = pair == 0 ? normal_ : pair <= facets() ? facet_[pair - 1] : bound_;
+    p.s = s;
+    p.z = z;
   }
 
   void remember(double factor) {
@@ -136,7 +131,7 @@ class PyramidLaw {
     const double gap = std::abs(normal_residual_), bound = std::abs(bound_residual_) / m;
     double largest = gap;
     const auto take = [&](double e) {
-      if (!(e <= largest)) largest = e;  // a NaN must stay
+      graphsolve::keep_largest(largest, e);
     };
     take(bound);
     take(std::min(normal_.s + gap, normal_.z / m));
@@ -231,8 +226,7 @@ class PyramidLaw {
   [[nodiscard]] double boundary_ratio() const {
     double largest = std::max(normal_.boundary_ratio(), bound_.boundary_ratio());
     for (const auto& f : facet_) {
-      const double r = f.boundary_ratio();
-      if (!(r <= largest)) largest = r;
+      graphsolve::keep_largest(largest, f.boundary_ratio());
     }
     return largest;
   }
@@ -248,28 +242,14 @@ class PyramidLaw {
   }
   /// The friction bound cf gamma is what makes the problem non-monotone: frozen, it is a convex one.
   double relax(double damping) {
-    if (damping == 0) {
-      frozen_ = false;
-      return 0;
-    }
-    const double bound = friction_ * normal_.z;
-    if (!frozen_) frozen_bound_ = bound;
-    frozen_ = true;
-    const double change = std::abs(bound - frozen_bound_) / scale_;
-    frozen_bound_ += damping * (bound - frozen_bound_);
-    return change;
+    return relax_bound(this->friction_bound(), scale_, damping, frozen_, frozen_bound_);
   }
 
  private:
   template <class T>
   using Array = std::conditional_t<Facets == 0, std::vector<T>, std::array<T, (Facets > 0 ? Facets : 1)>>;
 
-  [[nodiscard]] const std::array<double, 2>& direction(int i) const {
-    if constexpr (Facets == 4) return cross_[i];
-    else return direction_[i];
-  }
   [[nodiscard]] double slip(int i, const double* u) const { return direction(i)[0] * u[1] + direction(i)[1] * u[2]; }
-  double& facet_residual(int i) { return shift_[i]; }
 
   /// K_tt. For the axis-aligned cross the pairwise sum is short.
   void tangential(double& k11, double& k12, double& k22) const {
@@ -300,7 +280,6 @@ class PyramidLaw {
     }
   }
 
-  static constexpr std::array<std::array<double, 2>, 4> cross_{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
   graphsolve::Pair normal_, bound_;
   Array<graphsolve::Pair> facet_;
   Array<double> ratio_, residual_, shift_, defect_;

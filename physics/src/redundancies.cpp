@@ -13,6 +13,7 @@ std::vector<std::string> Simulator::redundancies() const {
   const Lane& lane = s.lanes.front();
   s.load_state_into_terms(0, s.dt);
   for (int j = 0; j < s.joints.size(); ++j) s.joints.prepare(j, lane.time + s.dt, s.dt);
+  s.joints.aim();
   const auto& factorization = s.solver->factorize_terms(s.unknowns);
   std::vector<double> y(s.unknowns.size());
   struct Group {

@@ -83,6 +83,7 @@ void Stepper::advance(std::span<const int> moved, int part, int parts) {
     const double smallest_distance = prepare(lane, h, lanes[lane].time + dt * part / parts);
     if (part == 1) lanes[lane].smallest_distance = smallest_distance;
   }
+  joints.aim();
   contacts->activate(*solver);
   const auto prepared = Clock::now();
   const double inside = profile.evaluate + profile.factorize + profile.solve;
@@ -108,7 +109,8 @@ double Stepper::prepare(int lane, double h, double end_time) {
   for (int k = 0; k < joints_per_lane; ++k) {
     const int j = joint(lane, k);
     joints.prepare(j, end_time, impulse_time);
-    for (int r = 0; r < joints.rows(j); ++r) unknowns[joints.row(j) + r] *= factor;
+    if (factor != 1)
+      for (int r = 0; r < joints.rows(j); ++r) unknowns[joints.row(j) + r] *= factor;
   }
   const Contacts::Reach reach = contacts->prepare(lane, unknowns,
                                                   {.dt = h,
@@ -164,10 +166,7 @@ void Stepper::load_state_into_terms(int lane, double h) {
   for (const int c : lanes[lane].islands) noise[c] = 0;
   for (int k = 0; k < bodies_per_lane; ++k) {
     const int i = body(lane, k);
-    Pose& pose = bodies.now[i];
-    pose.x = state.x[i];
-    pose.q = state.q[i];
-    pose.rotation = pose.q.toRotationMatrix();
+    bodies.place(i, state.x[i], state.q[i]);
     bodies.known_linear[i] = bodies.mass[i] * state.v[i];
     bodies.known_angular[i] = s.half_kick ? Vec3(bodies.inertia[i] * state.w[i])
                                           : momentum_minus(bodies.inertia[i], state.w[i], s.time_step);
@@ -212,8 +211,7 @@ void Stepper::commit(int lane, double h) {
     // The poses of the converged iterate are those that the residual was measured at.
     state.x[i] = bodies.next[i].x;
     state.q[i] = bodies.next[i].q;
-    bodies.now[i] = bodies.next[i];
-    bodies.now[i].turn.setIdentity();
+    bodies.place(i, state.x[i], state.q[i]);
   }
   s.kinetic_energy = kinetic_energy(lane);
   s.time_step = h;

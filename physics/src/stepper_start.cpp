@@ -90,6 +90,7 @@ void Stepper::set_state(int lane, std::span<const BodyRecord> records, bool half
     const int j = joint(lane, k);
     std::fill_n(unknowns.data() + joints.row(j), joints.rows(j), 0.0);
     joints.prepare(j, 0, dt);
+    joints.aim();
     joints.reset_coordinate(j);
     l.start_correction = std::max(l.start_correction, joints.opening_rate(j, unknowns));
   }

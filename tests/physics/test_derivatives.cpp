@@ -68,6 +68,7 @@ TEST_P(JointDerivatives, MatchCentralDifferences) {
     joints.add(g, driven, node);
     joints.reset_coordinate(0);
     joints.prepare(0, 0.1, bodies.dt);
+    joints.aim();
     graphsolve::Problem problem(graph);
     problem.add(bodies);
     problem.add(joints);
@@ -87,6 +88,7 @@ TEST_F(Derivatives, SphericalJointWithForcesAtTheNewConfigurationMatchesCentralD
   Joints joints(bodies);
   joints.add(g, nullptr, graph.add_node("joint", 3, graphsolve::NodeKind::saddle));
   joints.prepare(0, 0.1, bodies.dt);
+  joints.aim();
   bodies.force_at_next = true;
   graphsolve::Problem problem(graph);
   problem.add(bodies);

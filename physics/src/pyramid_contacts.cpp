@@ -1,0 +1,196 @@
+#include "pyramid_contacts.hpp"
+
+namespace physics {
+
+using graphsolve::Instances;
+
+void PyramidLane::describe(double friction, double island_mass, double stiffness, int) {
+  for (int k = 0; k < ContactOctet::pairs; ++k)
+    for (Octet* number : {&octet_->s[k], &octet_->z[k], &octet_->ds[k], &octet_->dz[k]}) (*number)[lane_] = 0;
+  octet_->friction[lane_] = friction;
+  octet_->scale[lane_] = island_mass;
+  octet_->largest_ratio[lane_] = stiffness;
+  octet_->frozen[lane_] = 0;
+}
+
+PyramidLaw<4> PyramidLane::copy() const {
+  PyramidLaw<4> law(friction(), scale(), octet_->largest_ratio[lane_], facets());
+  for (int k = 0; k < ContactOctet::pairs; ++k) law.set_pair(k, octet_->s[k][lane_], octet_->z[k][lane_]);
+  return law;
+}
+
+int PyramidContacts::add(const ContactPort<3>& port) {
+  const int i = size();
+  ports_.push_back(port);
+  octets_.resize(octets_for(size()));
+  groups_.resize(octets_for(size()));
+  if (lane_of(i) == 0) one_body_.push_back(1);
+  else if (port.body() != ports_[i - 1].body()) one_body_.back() = 0;
+  return i;
+}
+
+void PyramidContacts::wire(const graphsolve::Wiring& wiring) {
+  for (auto& port : ports_) port.wire(wiring);
+}
+
+/// f(task, octet) with what every operation needs.
+template <class F>
+void PyramidContacts::each_octet(std::span<const int> contacts, F&& f) const {
+  groups_.each(contacts, [](int i) { return i; }, [&](int octet, unsigned used) {
+    ContactTask task;
+    task.octet = &octets_[octet];
+    task.used = used;
+    task.one_body = one_body_[octet] != 0;
+    task.dt = bodies_.dt;
+    f(task, octet);
+  });
+}
+
+namespace {
+
+/// What belongs to the component of each lane.
+void take(Octet& to, const ContactTask& task, int octet, const Instances& instances, std::span<const double> from) {
+  each_lane(octet, task.used, [&](int lane, int i) { to[lane] = from[instances.component[i]]; });
+}
+
+/// Results of the used lanes: f(component, lane), in the order of the contacts.
+template <class F>
+void give(const ContactTask& task, int octet, const Instances& instances, F&& f) {
+  for (unsigned rest = task.used; rest != 0; rest &= rest - 1) {
+    const int lane = std::countr_zero(rest);
+    f(instances.component[octet * graphsolve::simd::lanes + lane], lane);
+  }
+}
+
+}  // namespace
+
+void PyramidContacts::point_at_poses(ContactTask& task, int octet) const {
+  each_lane(octet, task.used, [&](int lane, int i) { task.pose[lane] = bodies_.next[ports_[i].body()].x.data(); });
+}
+
+void PyramidContacts::point_at_rows(ContactTask& task, int octet, std::span<const double> x) const {
+  each_lane(octet, task.used, [&](int lane, int i) { task.x[lane] = x.data() + ports_[i].row(); });
+}
+
+void PyramidContacts::remember(Instances instances, double factor) {
+  each_octet(instances.index, [&](ContactTask& task, int octet) {
+    const double* geometry[graphsolve::simd::lanes];
+    each_lane(octet, task.used, [&](int lane, int i) { geometry[lane] = ports_[i].geometry().point.data(); });
+    contact_kernels::remember(task, factor, geometry);
+  });
+}
+
+void PyramidContacts::restore(Instances instances) {
+  each_octet(instances.index, [&](ContactTask& task, int) { contact_kernels::restore(task); });
+}
+
+/// With force directions at the new configuration the arms change with it.
+void PyramidContacts::aim_at_next(std::span<const int> contacts) {
+  for (const int i : contacts) {
+    ports_[i].prepare(bodies_.next[ports_[i].body()]);
+    for (int t = 0; t < 3; ++t)
+      for (int k = 0; k < 3; ++k)
+        octets_[octet_of(i)].lever[t][k][lane_of(i)] = ports_[i].geometry().lever[t][k];
+  }
+}
+
+void PyramidContacts::start_warm(Instances instances, std::span<const double> x, std::span<const double> mu,
+                                 std::span<const double> scale) {
+  if (bodies_.force_at_next) aim_at_next(instances.index);
+  each_octet(instances.index, [&](ContactTask& task, int octet) {
+    point_at_poses(task, octet);
+    point_at_rows(task, octet, x);
+    take(task.first, task, octet, instances, mu);
+    take(task.second, task, octet, instances, scale);
+    contact_kernels::start_warm(task);
+  });
+}
+
+void PyramidContacts::start_cold(Instances instances, double velocity, std::span<const double> scale) {
+  each_octet(instances.index, [&](ContactTask& task, int octet) {
+    take(task.second, task, octet, instances, scale);
+    contact_kernels::start_cold(task, velocity);
+  });
+}
+
+void PyramidContacts::evaluate(Instances instances, std::span<const double> x, std::span<double> residual) {
+  if (bodies_.force_at_next) aim_at_next(instances.index);
+  each_octet(instances.index, [&](ContactTask& task, int octet) {
+    point_at_poses(task, octet);
+    point_at_rows(task, octet, x);
+    each_lane(octet, task.used, [&](int lane, int i) { task.rows[lane] = residual.data() + ports_[i].row(); });
+    contact_kernels::evaluate(task);
+  });
+}
+
+void PyramidContacts::natural_error(Instances instances, std::span<const double> scale, std::span<double> error,
+                                    std::span<double> product) const {
+  each_octet(instances.index, [&](ContactTask& task, int octet) {
+    take(task.second, task, octet, instances, scale);
+    contact_kernels::natural_error(task);
+    give(task, octet, instances, [&](int c, int lane) {
+      graphsolve::keep_largest(error[c], task.out[lane]);
+      graphsolve::keep_largest(product[c], task.also_out[lane]);
+    });
+  });
+}
+
+void PyramidContacts::condense(Instances instances, std::span<const double> largest_ratio, double* values) {
+  each_octet(instances.index, [&](ContactTask& task, int octet) {
+    take(task.first, task, octet, instances, largest_ratio);
+    each_lane(octet, task.used, [&](int lane, int i) { task.block[lane] = values + ports_[i].offset_in_values(); });
+    contact_kernels::condense(task);
+  });
+}
+
+void PyramidContacts::right_hand_side(Instances instances, std::span<const double> mu,
+                                      std::span<const double> correction, std::span<double> rhs) {
+  each_octet(instances.index, [&](ContactTask& task, int octet) {
+    take(task.first, task, octet, instances, mu);
+    take(task.second, task, octet, instances, correction);
+    each_lane(octet, task.used, [&](int lane, int i) { task.rows[lane] = rhs.data() + ports_[i].row(); });
+    contact_kernels::right_hand_side(task);
+  });
+}
+
+void PyramidContacts::recover(Instances instances, std::span<const double> dx) {
+  each_octet(instances.index, [&](ContactTask& task, int octet) {
+    point_at_rows(task, octet, dx);
+    contact_kernels::recover(task);
+  });
+}
+
+void PyramidContacts::boundary_ratio(Instances instances, std::span<double> ratio) const {
+  each_octet(instances.index, [&](ContactTask& task, int octet) {
+    contact_kernels::boundary_ratio(task);
+    give(task, octet, instances, [&](int c, int lane) { graphsolve::keep_largest(ratio[c], task.out[lane]); });
+  });
+}
+
+void PyramidContacts::complementarity(Instances instances, std::span<const double> alpha,
+                                      std::span<double> sum) const {
+  each_octet(instances.index, [&](ContactTask& task, int octet) {
+    take(task.first, task, octet, instances, alpha);
+    contact_kernels::complementarity(task);
+    give(task, octet, instances, [&](int c, int lane) { sum[c] += task.out[lane]; });
+  });
+}
+
+void PyramidContacts::accept(Instances instances, std::span<const double> alpha) {
+  each_octet(instances.index, [&](ContactTask& task, int octet) {
+    take(task.first, task, octet, instances, alpha);
+    contact_kernels::accept(task);
+  });
+}
+
+void PyramidContacts::relax(Instances instances, double damping, std::span<double> change) {
+  for (const int i : instances.index) {
+    ContactOctet& o = octets_[octet_of(i)];
+    const int lane = lane_of(i);
+    double &frozen = o.frozen[lane], &held = o.frozen_bound[lane];
+    const double moved = relax_bound(law(i).friction_bound(), o.scale[lane], damping, frozen, held);
+    graphsolve::keep_largest(change[instances.component[i]], moved);
+  }
+}
+
+}  // namespace physics

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <vector>
+
+#include "contact_port.hpp"
+#include "graphsolve/port_batch.hpp"
+#include "pyramid_impulses.hpp"
+#include "pyramid_law.hpp"
+#include "simd/contact_kernels.hpp"
+
+namespace physics {
+
+/// The law of one of the contacts below, wherever its numbers lie. Cheap to copy, valid until contacts are added.
+class PyramidLane : public PyramidImpulses<PyramidLane> {
+ public:
+  PyramidLane(ContactOctet& octet, int lane) : octet_(&octet), lane_(lane) {}
+
+  /// island_mass, stiffness: as for PyramidLaw. Forgets all impulses.
+  void describe(double friction, double island_mass, double stiffness, int facets);
+  [[nodiscard]] static constexpr int facets() { return 4; }
+  [[nodiscard]] double& z(int pair) const { return octet_->z[pair][lane_]; }
+  [[nodiscard]] double friction() const { return octet_->friction[lane_]; }
+  [[nodiscard]] double scale() const { return octet_->scale[lane_]; }
+  [[nodiscard]] static const std::array<double, 2>& direction(int facet) { return cross_facets[facet]; }
+  /// The same as a law of its own.
+  [[nodiscard]] PyramidLaw<4> copy() const;
+
+ private:
+  ContactOctet* octet_;
+  int lane_;
+};
+
+/// Contacts with four friction facets, eight at a time: ContactPort<3> with PyramidLaw<4>, computed by kernels for packs.
+/// Ports keep what a contact is; octets hold what a step needs, and the private unknowns of the laws.
+class PyramidContacts final : public graphsolve::PortBatch {
+ public:
+  explicit PyramidContacts(Bodies& bodies) : bodies_(bodies) {}
+  int add(const ContactPort<3>& port);
+  [[nodiscard]] ContactPort<3>& port(int i) { return ports_[i]; }
+  [[nodiscard]] const ContactPort<3>& port(int i) const { return ports_[i]; }
+  [[nodiscard]] PyramidLane law(int i) { return {octets_[octet_of(i)], lane_of(i)}; }
+
+  [[nodiscard]] int size() const override { return static_cast<int>(ports_.size()); }
+  [[nodiscard]] std::span<const graphsolve::NodeId> nodes(int i) const override { return ports_[i].nodes; }
+  [[nodiscard]] int degree(int) const override { return ContactOctet::pairs; }
+  [[nodiscard]] double scale(int i) const override { return octets_[octet_of(i)].scale[lane_of(i)]; }
+  void wire(const graphsolve::Wiring& wiring) override;
+
+  void remember(graphsolve::Instances instances, double factor) override;
+  void restore(graphsolve::Instances instances) override;
+  void start_warm(graphsolve::Instances instances, std::span<const double> x, std::span<const double> mu,
+                  std::span<const double> scale) override;
+  void start_cold(graphsolve::Instances instances, double velocity, std::span<const double> scale) override;
+  void evaluate(graphsolve::Instances instances, std::span<const double> x, std::span<double> residual) override;
+  void natural_error(graphsolve::Instances instances, std::span<const double> scale, std::span<double> error,
+                     std::span<double> product) const override;
+  void condense(graphsolve::Instances instances, std::span<const double> largest_ratio, double* values) override;
+  void right_hand_side(graphsolve::Instances instances, std::span<const double> mu, std::span<const double> correction,
+                       std::span<double> rhs) override;
+  void recover(graphsolve::Instances instances, std::span<const double> dx) override;
+  void boundary_ratio(graphsolve::Instances instances, std::span<double> ratio) const override;
+  void complementarity(graphsolve::Instances instances, std::span<const double> alpha,
+                       std::span<double> sum) const override;
+  void accept(graphsolve::Instances instances, std::span<const double> alpha) override;
+  void relax(graphsolve::Instances instances, double damping, std::span<double> change) override;
+
+ private:
+  struct Access;
+  template <class F>
+  void each_octet(std::span<const int> contacts, F&& f) const;
+  void point_at_poses(ContactTask& task, int octet) const;
+  void point_at_rows(ContactTask& task, int octet, std::span<const double> x) const;
+  void aim_at_next(std::span<const int> contacts);
+
+  Bodies& bodies_;
+  std::vector<ContactPort<3>> ports_;
+  std::vector<char> one_body_;  ///< by octet: its contacts are on the same body
+  mutable std::vector<ContactOctet> octets_;
+  mutable OctetGroups groups_;
+};
+
+}  // namespace physics

@@ -1,0 +1,73 @@
+#include "simd/body_kernels.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "simd/body_kernels.cpp"
+#include "graphsolve/simd/targets.hpp"
+// Compiles the rest of this file once per instruction set.
+#include <hwy/foreach_target.h>
+
+#include "simd/algebra-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace physics::HWY_NAMESPACE {
+namespace {
+
+/// The formulas are those of rotation.hpp.
+void EvaluateBodies(const BodyTask& task) {
+  const unsigned used = task.used;
+  const Pack dt(task.dt), half(0.5 * task.dt);
+  Pack x[6], from[7];
+  gs::load_transposed(task.velocity, 6, x, used);
+  gs::load_transposed(task.now, 7, from, used);
+  const Vector3 v = vector(x), w = vector(x + 3);
+  const Pack s = gs::sqrt(Pack(4 / (task.dt * task.dt)) - dot(w, w));
+
+  Quaternion q = Quaternion{vector(from + 3), from[6]} * Quaternion{half * w, half * s};
+  const Pack shrink = Pack(1.0) / gs::sqrt(dot(q.v, q.v) + q.w * q.w);  // one already, but for rounding
+  q = {shrink * q.v, shrink * q.w};
+  const Vector3 w_over_s = (Pack(1.0) / s) * w;
+  Pack to[25];
+  put(vector(from) + dt * v, to);
+  put(q.v, to + 3);
+  to[6] = q.w;
+  put(rotation_matrix(q), to + 7);
+  put(half * (diagonal(s) + outer(w, w_over_s) - skew(w)), to + 16);
+  gs::store_transposed(to, 25, task.next, used);
+
+  const Pack mass = load(task.constants->mass);
+  const Matrix3 inertia = load33(task.constants->inertia);
+  const Vector3 jw = inertia * w;
+  Pack known[6], residual[6];
+  gs::load_transposed(task.known_linear, 3, known, used);
+  gs::load_transposed(task.known_angular, 3, known + 3, used);
+  put(mass * v - vector(known), residual);
+  put(half * (s * jw + cross(w, jw)) - vector(known + 3), residual + 3);
+  gs::add_transposed(residual, 6, task.residual, used, 1.0);
+
+  if (!task.block[0]) return;
+  const Matrix3 turned{cross(w, inertia.c0), cross(w, inertia.c1), cross(w, inertia.c2)};
+  Pack angular[9];
+  put(half * (s * inertia - outer(jw, w_over_s) + turned - skew(jw)), angular);
+  double* column[8];
+  for (int c = 0; c < 3; ++c) {
+    for (int l = 0; l < 8; ++l) column[l] = task.block[l] + 6 * (c + 3) + 3;
+    gs::add_transposed(angular + 3 * c, 3, column, used, 1.0);
+  }
+  for (int l = 0; l < 8; ++l)
+    if (used >> l & 1u)
+      for (int c = 0; c < 3; ++c) task.block[l][7 * c] += task.constants->mass[l];
+}
+
+}  // namespace
+}  // namespace physics::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace physics {
+
+HWY_EXPORT(EvaluateBodies);
+
+void evaluate_bodies(const BodyTask& task) { HWY_DYNAMIC_DISPATCH(EvaluateBodies)(task); }
+
+}  // namespace physics
+#endif

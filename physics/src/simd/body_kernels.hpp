@@ -1,0 +1,29 @@
+#pragma once
+
+#include "simd/octet.hpp"
+
+namespace physics {
+
+/// What eight bodies are.
+struct BodyOctet {
+  Octet mass, inertia[9];
+};
+
+/// Eight bodies (or fewer: bit per lane in `used`; the other lanes point where a used one does and write nothing).
+struct BodyTask {
+  const BodyOctet* constants;
+  unsigned used;
+  double dt;
+  const double* velocity[8];       ///< v, w
+  const double* now[8];            ///< Pose
+  double* next[8];                 ///< Pose
+  const double* known_linear[8];
+  const double* known_angular[8];
+  double* residual[8];             ///< 6
+  double* block[8];                ///< 6 x 6 column-major, all null where no matrix is wanted
+};
+
+/// Poses after the step, residual, and its derivative: Bodies says which.
+void evaluate_bodies(const BodyTask& task);
+
+}  // namespace physics

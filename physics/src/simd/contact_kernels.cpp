@@ -1,0 +1,311 @@
+#include "simd/contact_kernels.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "simd/contact_kernels.cpp"
+#include "graphsolve/simd/targets.hpp"
+// Compiles the rest of this file once per instruction set.
+#include <hwy/foreach_target.h>
+
+#include "simd/algebra-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace physics::HWY_NAMESPACE {
+namespace {
+
+constexpr int pairs = ContactOctet::pairs, facets = 4, bound = pairs - 1;
+
+/// Changes the used lanes only.
+class Keeper {
+ public:
+  explicit HWY_INLINE Keeper(unsigned used) : all_(used == 0xffu), mask_(lanes_of(used)) {}
+  HWY_INLINE void operator()(const Pack& a, Octet& to) const { store(all_ ? a : gs::select(mask_, a, load(to)), to); }
+
+ private:
+  bool all_;
+  Mask mask_;
+};
+
+/// Local rows: along the normal and the two tangents.
+struct Rows {
+  Pack n, t1, t2;
+};
+
+/// Along facet i: t1, t2, -t1, -t2.
+HWY_INLINE Pack along(const Rows& u, int facet) {
+  const Pack& a = facet % 2 == 0 ? u.t1 : u.t2;
+  return facet < 2 ? a : -a;
+}
+
+/// A task whose contacts are on one body reads it once.
+HWY_INLINE unsigned read(const ContactTask& task) { return task.one_body ? 1u : task.used; }
+
+HWY_INLINE Rows velocity(const ContactTask& task, Vector3& v, Vector3& w) {
+  const ContactOctet& o = *task.octet;
+  Pack x[6];
+  gs::load_transposed(task.x, 6, x, read(task));
+  v = vector(x);
+  w = vector(x + 3);
+  return {Pack(0.0), dot(load3(o.tangent[0]), v) + dot(load3(o.lever[1]), w),
+          dot(load3(o.tangent[1]), v) + dot(load3(o.lever[2]), w)};
+}
+
+/// u at the pose; keeps the derivative of its normal row.
+HWY_INLINE Rows measure(const ContactTask& task) {
+  ContactOctet& o = *task.octet;
+  Pack pose[25];
+  gs::load_transposed(task.pose, 25, pose, read(task));
+  const Vector3 normal = load3(o.normal), point = load3(o.point);
+  const Vector3 local = transposed_times(matrix(pose + 7), normal);
+  store3(transposed_times(matrix(pose + 16), cross(point, local)), o.rate_normal);
+  Vector3 v, w;
+  Rows u = velocity(task, v, w);
+  u.n = (dot(normal, vector(pose)) + dot(local, point) - load(o.offset) - load(o.radius)) * Pack(1 / task.dt);
+  return u;
+}
+
+/// rows += sign J1^T f
+HWY_INLINE void add_force(const ContactTask& task, const Rows& f, double sign) {
+  const ContactOctet& o = *task.octet;
+  Pack wrench[6];
+  put(f.n * load3(o.normal) + f.t1 * load3(o.tangent[0]) + f.t2 * load3(o.tangent[1]), wrench);
+  put(f.n * load3(o.lever[0]) + f.t1 * load3(o.lever[1]) + f.t2 * load3(o.lever[2]), wrench + 3);
+  gs::add_transposed(wrench, 6, task.rows, task.used, sign);
+}
+
+/// cf, or nothing where the bound is frozen.
+HWY_INLINE Pack friction(const ContactOctet& o) { return load(o.friction) * (Pack(1.0) - load(o.frozen)); }
+
+HWY_INLINE void keep_largest(Pack& largest, const Pack& e) {
+  largest = gs::select((e > largest) | !(e >= e), e, largest);  // a NaN stays
+}
+
+void Remember(const ContactTask& task, double factor, const double* const* geometry) {
+  ContactOctet& o = *task.octet;
+  const Keeper keep(task.used);
+  Pack numbers[23];
+  gs::load_transposed(geometry, 23, numbers, task.used);
+  for (int i = 0; i < 23; ++i) keep(numbers[i], o.point[i]);
+  for (int k = 0; k < pairs; ++k) {
+    keep(load(o.s[k]), o.remembered_s[k]);
+    keep(Pack(factor) * load(o.z[k]), o.remembered_z[k]);
+  }
+}
+
+void Restore(const ContactTask& task) {
+  ContactOctet& o = *task.octet;
+  const Keeper keep(task.used);
+  for (int k = 0; k < pairs; ++k) {
+    keep(load(o.remembered_s[k]), o.s[k]);
+    keep(load(o.remembered_z[k]), o.z[k]);
+  }
+}
+
+void StartWarm(const ContactTask& task) {
+  ContactOctet& o = *task.octet;
+  const Keeper keep(task.used);
+  const Pack mu = load(task.first), m = load(task.second), lighter = Pack(1.0) / m;
+  const auto start = [&](int k, const Pack& predicted) HWY_ATTR {
+    const Pack d = predicted - load(o.remembered_z[k]) * lighter;
+    const Pack larger = Pack(0.5) * (gs::abs(d) + gs::sqrt(d * d + Pack(4.0) * mu * lighter));
+    const Mask open = d >= Pack(0.0);
+    const Pack major = gs::select(open, larger, m * larger), minor = mu / major;
+    keep(gs::select(open, major, minor), o.s[k]);
+    keep(gs::select(open, minor, major), o.z[k]);
+  };
+  const Rows u = measure(task);
+  Pack psi(0.0);
+  for (int i = 0; i < facets; ++i) psi = gs::max(psi, -along(u, i));
+  start(0, u.n);
+  for (int i = 0; i < facets; ++i) start(1 + i, along(u, i) + psi);
+  start(bound, psi);
+}
+
+void StartCold(const ContactTask& task, double velocity) {
+  ContactOctet& o = *task.octet;
+  const Keeper keep(task.used);
+  for (int k = 0; k < pairs; ++k) {
+    keep(Pack(velocity), o.s[k]);
+    keep(Pack(velocity) * load(task.second), o.z[k]);
+  }
+}
+
+void Evaluate(const ContactTask& task) {
+  ContactOctet& o = *task.octet;
+  const Rows u = measure(task);
+  Pack z[pairs];
+  for (int k = 0; k < pairs; ++k) z[k] = load(o.z[k]);
+  store(u.n - load(o.s[0]), o.residual[0]);
+  const Pack psi = load(o.s[bound]);
+  for (int i = 0; i < facets; ++i) store(along(u, i) + psi - load(o.s[1 + i]), o.residual[1 + i]);
+  const Pack most = gs::select(load(o.frozen) > Pack(0.5), load(o.frozen_bound), load(o.friction) * z[0]);
+  store(most - (z[1] + z[2] + z[3] + z[4]) - z[bound], o.residual[bound]);
+  add_force(task, {z[0], z[1] - z[3], z[2] - z[4]}, -1.0);
+}
+
+void NaturalError(ContactTask& task) {
+  const ContactOctet& o = *task.octet;
+  const Pack lighter = Pack(1.0) / load(task.second);
+  Pack largest(0.0), product(0.0);
+  const Pack off = gs::abs(load(o.residual[bound])) * lighter;
+  for (int k = 0; k < pairs; ++k) {
+    const Pack s = load(o.s[k]), z = load(o.z[k]), velocity = z * lighter;
+    const Pack slack = k == bound ? off : gs::abs(load(o.residual[k]));
+    keep_largest(largest, slack);
+    keep_largest(largest, k == bound ? gs::min(s, velocity + off) : gs::min(s + slack, velocity));
+    keep_largest(product, s * z);
+  }
+  store(largest, task.out);
+  store(product, task.also_out);
+}
+
+void Condense(const ContactTask& task) {
+  ContactOctet& o = *task.octet;
+  const Pack cap = gs::min(load(task.first), load(o.largest_ratio));
+  Pack w[pairs];
+  for (int k = 0; k < pairs; ++k) {
+    const Pack z = load(o.z[k]), inverse_s = Pack(1.0) / load(o.s[k]);
+    store(inverse_s, o.inverse_s[k]);
+    store(Pack(1.0) / z, o.inverse_z[k]);
+    w[k] = gs::min(z * inverse_s, cap);
+    store(w[k], o.ratio[k]);
+  }
+  const Pack q = w[bound], p1 = w[1] + w[3], p2 = w[2] + w[4], one_over_sum = Pack(1.0) / (q + (p1 + p2));
+  store(one_over_sum, o.one_over_sum);
+  const Pack a1 = w[1] - w[3], a2 = w[2] - w[4], coupling = friction(o) * w[0] * one_over_sum;
+  const Pack k10 = coupling * a1, k20 = coupling * a2;
+  const Pack k11 = (p1 * (q + p2) + Pack(4.0) * w[1] * w[3]) * one_over_sum;
+  const Pack k22 = (p2 * (q + p1) + Pack(4.0) * w[2] * w[4]) * one_over_sum;
+  const Pack k12 = -(a1 * a2) * one_over_sum;
+
+  // F^T K A column by column; rows of F: directions of force, of A: the same but for the arm of the normal.
+  Pack force[3][6], normal_rate[6], block[36];
+  for (int c = 0; c < 3; ++c) {
+    force[0][c] = normal_rate[c] = load(o.normal[c]);
+    force[0][c + 3] = load(o.lever[0][c]);
+    normal_rate[c + 3] = load(o.rate_normal[c]);
+    for (int t = 0; t < 2; ++t) {
+      force[t + 1][c] = load(o.tangent[t][c]);
+      force[t + 1][c + 3] = load(o.lever[t + 1][c]);
+    }
+  }
+  for (int c = 0; c < 6; ++c) {
+    const Pack& a0 = normal_rate[c];
+    const Pack f0 = w[0] * a0;
+    const Pack f1 = k10 * a0 + k11 * force[1][c] + k12 * force[2][c];
+    const Pack f2 = k20 * a0 + k12 * force[1][c] + k22 * force[2][c];
+    for (int r = 0; r < 6; ++r) block[6 * c + r] = force[0][r] * f0 + force[1][r] * f1 + force[2][r] * f2;
+  }
+  gs::add_transposed(block, 36, task.block, task.used, 1.0);
+}
+
+void RightHandSide(const ContactTask& task) {
+  ContactOctet& o = *task.octet;
+  const Pack mu = load(task.first), correction = load(task.second);
+  Pack weighted[pairs];  // ratio times shift
+  const auto defect = [&](int k) HWY_ATTR {
+    const Pack d = load(o.s[k]) * load(o.z[k]) - mu + correction * load(o.ds[k]) * load(o.dz[k]);
+    store(d, o.defect[k]);
+    return d;
+  };
+  for (int k = 0; k < bound; ++k) {
+    const Pack shift = load(o.residual[k]) + defect(k) * load(o.inverse_z[k]);
+    store(shift, o.shift[k]);
+    weighted[k] = load(o.ratio[k]) * shift;
+  }
+  const Pack psi = (friction(o) * weighted[0] - (load(o.residual[bound]) + defect(bound) * load(o.inverse_s[bound])) -
+                    (weighted[1] + weighted[2] + weighted[3] + weighted[4])) *
+                   load(o.one_over_sum);
+  store(psi, o.psi_shift);
+  for (int i = 1; i <= facets; ++i) weighted[i] += load(o.ratio[i]) * psi;
+  add_force(task, {-weighted[0], weighted[3] - weighted[1], weighted[4] - weighted[2]}, 1.0);
+}
+
+void Recover(const ContactTask& task) {
+  ContactOctet& o = *task.octet;
+  const Keeper keep(task.used);  // the next right-hand side reads these changes, and may be of other contacts
+  Vector3 v, w;
+  Rows du = velocity(task, v, w);
+  du.n = dot(load3(o.normal), v) + dot(load3(o.rate_normal), w);
+  Pack psi = friction(o) * load(o.ratio[0]) * du.n;
+  for (int i = 0; i < facets; ++i) psi -= load(o.ratio[1 + i]) * along(du, i);
+  psi = load(o.psi_shift) + psi * load(o.one_over_sum);
+  const auto finish = [&](int k, const Pack& dz) HWY_ATTR {
+    keep(dz, o.dz[k]);
+    keep(-(load(o.defect[k]) + load(o.s[k]) * dz) * load(o.inverse_z[k]), o.ds[k]);
+  };
+  finish(0, -load(o.ratio[0]) * (du.n + load(o.shift[0])));
+  for (int i = 0; i < facets; ++i) finish(1 + i, -load(o.ratio[1 + i]) * (along(du, i) + psi + load(o.shift[1 + i])));
+  // As in the other pairs: the impulse from the condensed system, the velocity from the product.
+  finish(bound, -load(o.defect[bound]) * load(o.inverse_s[bound]) - load(o.ratio[bound]) * psi);
+}
+
+void BoundaryRatio(ContactTask& task) {
+  const ContactOctet& o = *task.octet;
+  Pack largest(0.0);
+  for (int k = 0; k < pairs; ++k) {
+    keep_largest(largest, -load(o.dz[k]) * load(o.inverse_z[k]));
+    keep_largest(largest, -load(o.ds[k]) * load(o.inverse_s[k]));
+  }
+  store(largest, task.out);
+}
+
+void Complementarity(ContactTask& task) {
+  const ContactOctet& o = *task.octet;
+  const Pack alpha = load(task.first);
+  Pack sum(0.0);
+  for (int k = 0; k < pairs; ++k)
+    sum += (load(o.s[k]) + alpha * load(o.ds[k])) * (load(o.z[k]) + alpha * load(o.dz[k]));
+  store(sum, task.out);
+}
+
+void Accept(const ContactTask& task) {
+  ContactOctet& o = *task.octet;
+  const Keeper keep(task.used);
+  const Pack alpha = load(task.first);
+  for (int k = 0; k < pairs; ++k) {
+    keep(load(o.s[k]) + alpha * load(o.ds[k]), o.s[k]);
+    keep(load(o.z[k]) + alpha * load(o.dz[k]), o.z[k]);
+  }
+}
+
+}  // namespace
+}  // namespace physics::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace physics {
+
+HWY_EXPORT(Remember);
+HWY_EXPORT(Restore);
+HWY_EXPORT(StartWarm);
+HWY_EXPORT(StartCold);
+HWY_EXPORT(Evaluate);
+HWY_EXPORT(NaturalError);
+HWY_EXPORT(Condense);
+HWY_EXPORT(RightHandSide);
+HWY_EXPORT(Recover);
+HWY_EXPORT(BoundaryRatio);
+HWY_EXPORT(Complementarity);
+HWY_EXPORT(Accept);
+
+namespace contact_kernels {
+
+void remember(const ContactTask& task, double factor, const double* const* geometry) {
+  HWY_DYNAMIC_DISPATCH(Remember)(task, factor, geometry);
+}
+void restore(const ContactTask& task) { HWY_DYNAMIC_DISPATCH(Restore)(task); }
+void start_warm(const ContactTask& task) { HWY_DYNAMIC_DISPATCH(StartWarm)(task); }
+void start_cold(const ContactTask& task, double velocity) { HWY_DYNAMIC_DISPATCH(StartCold)(task, velocity); }
+void evaluate(const ContactTask& task) { HWY_DYNAMIC_DISPATCH(Evaluate)(task); }
+void natural_error(ContactTask& task) { HWY_DYNAMIC_DISPATCH(NaturalError)(task); }
+void condense(const ContactTask& task) { HWY_DYNAMIC_DISPATCH(Condense)(task); }
+void right_hand_side(const ContactTask& task) { HWY_DYNAMIC_DISPATCH(RightHandSide)(task); }
+void recover(const ContactTask& task) { HWY_DYNAMIC_DISPATCH(Recover)(task); }
+void boundary_ratio(ContactTask& task) { HWY_DYNAMIC_DISPATCH(BoundaryRatio)(task); }
+void complementarity(ContactTask& task) { HWY_DYNAMIC_DISPATCH(Complementarity)(task); }
+void accept(const ContactTask& task) { HWY_DYNAMIC_DISPATCH(Accept)(task); }
+
+}  // namespace contact_kernels
+
+}  // namespace physics
+#endif

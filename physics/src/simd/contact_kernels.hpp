@@ -1,0 +1,55 @@
+#pragma once
+
+#include "simd/octet.hpp"
+
+namespace physics {
+
+/// Eight contacts with four friction facets. The numbers and formulas are those of ContactPort<3> and PyramidLaw<4>;
+/// pairs in this order: normal, four facets, friction bound.
+struct ContactOctet {
+  static constexpr int pairs = 6;
+  // Of the port, where the step starts: 23 numbers in the order of ContactPort::Geometry.
+  Octet point[3], normal[3], radius, offset, tangent[2][3], lever[3][3];
+  Octet rate_normal[3];
+  // Of the law.
+  Octet friction, scale, largest_ratio;
+  Octet s[pairs], z[pairs], ds[pairs], dz[pairs], remembered_s[pairs], remembered_z[pairs];
+  Octet frozen;        ///< 1: the friction bound is held at frozen_bound
+  Octet frozen_bound;
+  Octet residual[pairs], inverse_s[pairs], inverse_z[pairs], ratio[pairs], defect[pairs], shift[pairs];
+  Octet psi_shift, one_over_sum;
+};
+
+/// One operation on eight contacts or fewer: bit per lane in `used`; the other lanes point where a used one does and
+/// keep what they have. What an operation does not name it does not read.
+struct ContactTask {
+  ContactOctet* octet;
+  unsigned used;
+  bool one_body;            ///< all on the same one
+  double dt;
+  const double* pose[8];    ///< Pose
+  const double* x[8];       ///< v, w of the body, or their change
+  double* rows[8];          ///< 6 of the body
+  double* block[8];         ///< 6 x 6 column-major
+  Octet first, second;      ///< arguments by lane
+  Octet out, also_out;      ///< results by lane
+};
+
+namespace contact_kernels {
+
+void remember(const ContactTask& task, double factor, const double* const* geometry);
+void restore(const ContactTask& task);
+void start_warm(const ContactTask& task);       ///< first: mu; second: scale
+void start_cold(const ContactTask& task, double velocity);  ///< second: scale
+void evaluate(const ContactTask& task);         ///< rows -= J1^T f
+void natural_error(ContactTask& task);          ///< second: scale; out: error, also_out: largest product
+void condense(const ContactTask& task);         ///< first: largest ratio; block += J1^T K J2
+void right_hand_side(const ContactTask& task);  ///< first: mu; second: correction; rows += J1^T f0
+void recover(const ContactTask& task);
+void boundary_ratio(ContactTask& task);         ///< out
+void complementarity(ContactTask& task);        ///< first: alpha; out
+void accept(const ContactTask& task);           ///< first: alpha
+
+}  // namespace contact_kernels
+
+}  // namespace physics

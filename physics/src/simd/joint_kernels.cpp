@@ -1,0 +1,220 @@
+#include "simd/joint_kernels.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "simd/joint_kernels.cpp"
+#include "graphsolve/simd/targets.hpp"
+// Compiles the rest of this file once per instruction set.
+#include <hwy/foreach_target.h>
+
+#include "simd/algebra-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace physics::HWY_NAMESPACE {
+namespace {
+
+struct Place {  ///< a Pose
+  Vector3 x;
+  Quaternion q;
+  Matrix3 rotation, turn;
+};
+
+HWY_INLINE Place load_place(const double* const* from, unsigned used) {
+  Pack p[25];
+  gs::load_transposed(from, 25, p, used);
+  return {vector(p), {vector(p + 3), p[6]}, matrix(p + 7), matrix(p + 16)};
+}
+
+template <JointRows Rows>
+struct Kind {
+  static constexpr bool motor = Rows == JointRows::revolute_motor || Rows == JointRows::prismatic_motor;
+  static constexpr bool slides = Rows == JointRows::prismatic || Rows == JointRows::prismatic_motor;
+  static constexpr bool hinge = Rows == JointRows::revolute || Rows == JointRows::revolute_motor;
+  static constexpr int translations = slides ? 2 : 3;
+  static constexpr int rotations = Rows == JointRows::spherical ? 0 : hinge ? 2 : 3;
+  static constexpr int constraints = translations + rotations;
+  static constexpr int rows = motor ? 6 : constraints;
+};
+
+HWY_INLINE Vector3 unit(int i) { return {Pack(i == 0 ? 1.0 : 0.0), Pack(i == 1 ? 1.0 : 0.0), Pack(i == 2 ? 1.0 : 0.0)}; }
+HWY_INLINE Vector3 row(const Matrix3& m, int i) {
+  return i == 0 ? Vector3{m.c0.x, m.c1.x, m.c2.x} : i == 1 ? Vector3{m.c0.y, m.c1.y, m.c2.y} : Vector3{m.c0.z, m.c1.z, m.c2.z};
+}
+
+/// A pack of joints between two poses.
+template <JointRows Rows>
+struct Joint {
+  using K = Kind<Rows>;
+  const JointOctet& constants;
+  Place a, b;              ///< parent, child
+  Vector3 child_point;
+  Quaternion e;            ///< q_a^-1 q_b q_off^-1, on the half that holds the identity
+  Matrix3 offset;
+
+  HWY_INLINE Joint(const JointTask& task)
+      : constants(*task.octet), a(load_place(task.parent, task.used)), b(load_place(task.child, task.used)),
+        child_point(load3(constants.child_point)) {
+    if constexpr (K::rotations > 0) {
+      const Quaternion rest{load3(constants.orientation), load(constants.orientation[3])};
+      e = conjugate(a.q) * b.q * conjugate(rest);
+      const Pack sign = gs::select(e.w < Pack(0.0), Pack(-1.0), Pack(1.0));
+      e = {sign * e.v, sign * e.w};
+      offset = load33(constants.orientation_matrix);
+    }
+  }
+
+  HWY_INLINE Vector3 locked_rotation(int i) const {
+    if constexpr (K::hinge) return load3(constants.side[i]);
+    else return unit(i);
+  }
+  /// From the parent's centre to the child's joint point, parent frame.
+  HWY_INLINE Vector3 arm() const { return transposed_times(a.rotation, b.x + b.rotation * child_point - a.x); }
+
+  HWY_INLINE void violation(Pack* g) const {
+    const Vector3 parent_point = load3(constants.parent_point);
+    if constexpr (K::slides) {
+      const Vector3 d = arm() - parent_point;
+      for (int i = 0; i < 2; ++i) g[i] = dot(load3(constants.side[i]), d);
+    } else {
+      put(b.x + b.rotation * child_point - a.x - a.rotation * parent_point, g);
+    }
+    for (int i = 0; i < K::rotations; ++i) g[K::translations + i] = Pack(2.0) * dot(locked_rotation(i), e.v);
+  }
+
+  /// Derivatives of the rows by (x, theta) of child and parent; without a turn the force directions.
+  template <bool WithTurn>
+  HWY_INLINE void derivative(Pack* child, Pack* parent) const {
+    for (int i = 0; i < K::translations; ++i) {
+      if constexpr (K::slides) along_axis<WithTurn>(load3(constants.side[i]), child + 6 * i, parent + 6 * i);
+      else along_world<WithTurn>(i, child + 6 * i, parent + 6 * i);
+    }
+    const Vector3 zero{Pack(0.0), Pack(0.0), Pack(0.0)};
+    const auto rotation_row = [&](const Vector3& on_child, const Vector3& on_parent, int r) HWY_ATTR {
+      put(zero, child + 6 * r);
+      put(zero, parent + 6 * r);
+      put(turned<WithTurn>(b, transposed_times(offset, on_child)), child + 6 * r + 3);
+      put(turned<WithTurn>(a, -on_parent), parent + 6 * r + 3);
+    };
+    // d(2 vec e) = (w I + [v]x) R_off theta_b = -(w I - [v]x) theta_a
+    for (int i = 0; i < K::rotations; ++i) {
+      const Vector3 r = locked_rotation(i), even = e.w * r, odd = cross(r, e.v);
+      rotation_row(even + odd, even - odd, K::translations + i);
+    }
+    if constexpr (K::motor && K::slides) along_axis<WithTurn>(load3(constants.axis), child + 30, parent + 30);
+    if constexpr (K::motor && K::hinge) {
+      // Of 2 atan2(axis . v, w), exact off the hinge's manifold too.
+      const Vector3 axis = load3(constants.axis);
+      const Pack along = dot(axis, e.v), share = Pack(1.0) / (e.w * e.w + along * along);
+      const Vector3 even = share * (e.w * e.w * axis + along * e.v), odd = share * e.w * cross(axis, e.v);
+      rotation_row(even + odd, even - odd, 5);
+    }
+  }
+
+ private:
+  template <bool WithTurn>
+  static HWY_INLINE Vector3 turned(const Place& place, const Vector3& angular) {
+    if constexpr (WithTurn) return transposed_times(place.turn, angular);
+    else return angular;
+  }
+  /// Row of x_b + R_b p_b - x_a - R_a p_a in world axis i.
+  template <bool WithTurn>
+  HWY_INLINE void along_world(int i, Pack* child, Pack* parent) const {
+    put(unit(i), child);
+    put(-unit(i), parent);
+    put(turned<WithTurn>(b, cross(child_point, row(b.rotation, i))), child + 3);
+    put(turned<WithTurn>(a, cross(row(a.rotation, i), load3(constants.parent_point))), parent + 3);
+  }
+  /// Row of f . R_a^T (x_b + R_b p_b - x_a), f fixed in the parent.
+  template <bool WithTurn>
+  HWY_INLINE void along_axis(const Vector3& f, Pack* child, Pack* parent) const {
+    const Vector3 world = a.rotation * f;
+    put(world, child);
+    put(-world, parent);
+    put(turned<WithTurn>(b, cross(child_point, transposed_times(b.rotation, world))), child + 3);
+    put(turned<WithTurn>(a, cross(f, arm())), parent + 3);
+  }
+};
+
+template <JointRows Rows>
+HWY_INLINE void aim(const JointTask& task) {
+  constexpr int entries = 6 * Kind<Rows>::rows;
+  Pack child[entries], parent[entries];
+  Joint<Rows>(task).template derivative<false>(child, parent);
+  const Mask used = lanes_of(task.used);
+  const auto keep = [&](const Pack* from, Octet* to) HWY_ATTR {
+    for (int i = 0; i < entries; ++i) store(gs::select(used, from[i], load(to[i])), to[i]);
+  };
+  keep(child, task.octet->child_force);
+  keep(parent, task.octet->parent_force);
+}
+
+/// out = force^T impulses
+template <int Rows>
+HWY_INLINE void push(const Octet* force, const Pack* impulses, Pack* out) {
+  for (int c = 0; c < 6; ++c) {
+    Pack sum = load(force[c]) * impulses[0];
+    for (int r = 1; r < Rows; ++r) sum += load(force[6 * r + c]) * impulses[r];
+    out[c] = sum;
+  }
+}
+
+/// Blocks (joint, body) += derivative and (body, joint) -= force^T.
+template <int Rows>
+HWY_INLINE void write(const Pack* derivative, const Octet* force, double* const* down, double* const* across,
+                      unsigned used) {
+  Pack block[6 * Rows];
+  for (int c = 0; c < 6; ++c)
+    for (int r = 0; r < Rows; ++r) block[c * Rows + r] = derivative[6 * r + c];
+  gs::add_transposed(block, 6 * Rows, down, used, 1.0);
+  for (int i = 0; i < 6 * Rows; ++i) block[i] = load(force[i]);
+  gs::add_transposed(block, 6 * Rows, across, used, -1.0);
+}
+
+template <JointRows Rows>
+HWY_INLINE void evaluate(const JointTask& task) {
+  using K = Kind<Rows>;
+  const unsigned used = task.used;
+  const Joint<Rows> joint(task);
+  Pack g[K::constraints], impulses[K::rows], wrenches[12];
+  joint.violation(g);
+  const Pack rate(1 / task.dt);
+  for (Pack& row : g) row *= rate;
+  gs::add_transposed(g, K::constraints, task.residual, used, 1.0);
+  gs::load_transposed(task.impulses, K::rows, impulses, used);
+  push<K::rows>(task.octet->child_force, impulses, wrenches);
+  push<K::rows>(task.octet->parent_force, impulses, wrenches + 6);
+  gs::store_transposed(wrenches, 12, task.wrenches, used);
+  if (!task.to_child[0]) return;
+  Pack child[6 * K::rows], parent[6 * K::rows];
+  joint.template derivative<true>(child, parent);
+  write<K::rows>(child, task.octet->child_force, task.to_child, task.from_child, used);
+  write<K::rows>(parent, task.octet->parent_force, task.to_parent, task.from_parent, used);
+}
+
+#define PHYSICS_BY_JOINT_ROWS(function, task)                                             \
+  switch (task.rows) {                                                                    \
+    case JointRows::spherical: return function<JointRows::spherical>(task);               \
+    case JointRows::revolute: return function<JointRows::revolute>(task);                 \
+    case JointRows::revolute_motor: return function<JointRows::revolute_motor>(task);     \
+    case JointRows::prismatic: return function<JointRows::prismatic>(task);               \
+    case JointRows::prismatic_motor: return function<JointRows::prismatic_motor>(task);   \
+    case JointRows::fixed: return function<JointRows::fixed>(task);                       \
+  }
+
+void AimJoints(const JointTask& task) { PHYSICS_BY_JOINT_ROWS(aim, task) }
+void EvaluateJoints(const JointTask& task) { PHYSICS_BY_JOINT_ROWS(evaluate, task) }
+
+}  // namespace
+}  // namespace physics::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace physics {
+
+HWY_EXPORT(AimJoints);
+HWY_EXPORT(EvaluateJoints);
+
+void aim_joints(const JointTask& task) { HWY_DYNAMIC_DISPATCH(AimJoints)(task); }
+void evaluate_joints(const JointTask& task) { HWY_DYNAMIC_DISPATCH(EvaluateJoints)(task); }
+
+}  // namespace physics
+#endif

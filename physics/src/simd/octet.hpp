@@ -1,0 +1,60 @@
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "graphsolve/simd/lanes.hpp"
+
+namespace physics {
+
+/// One number of each of eight bodies, joints or contacts, side by side in memory as registers take it up.
+struct alignas(64) Octet {
+  double lane[graphsolve::simd::lanes] = {};
+  double& operator[](int i) { return lane[i]; }
+  double operator[](int i) const { return lane[i]; }
+};
+
+/// Items lie at places: place p is lane p % 8 of octet p / 8.
+constexpr int octet_of(int place) { return place / graphsolve::simd::lanes; }
+constexpr int lane_of(int place) { return place % graphsolve::simd::lanes; }
+constexpr int octets_for(int places) { return octet_of(places + graphsolve::simd::lanes - 1); }
+
+/// Takes a list of items octet by octet.
+class OctetGroups {
+ public:
+  void resize(int octets) {
+    used_.assign(octets, 0);
+    touched_.reserve(octets);
+  }
+  /// f(octet, used) with a bit per lane, in ascending order whatever the order of the list, so that sums do not depend
+  /// on it. place(item): where it lies.
+  template <class Place, class F>
+  void each(std::span<const int> items, Place&& place, F&& f) {
+    touched_.clear();
+    for (const int i : items) {
+      const int p = place(i);
+      unsigned& used = used_[octet_of(p)];
+      if (used == 0) touched_.push_back(octet_of(p));
+      used |= 1u << lane_of(p);
+    }
+    if (!std::is_sorted(touched_.begin(), touched_.end())) std::sort(touched_.begin(), touched_.end());
+    for (const int octet : touched_) f(octet, std::exchange(used_[octet], 0u));
+  }
+
+ private:
+  std::vector<unsigned> used_;
+  std::vector<int> touched_;
+};
+
+/// f(lane, place) for all eight lanes; those that are not used stand in for the first that is.
+template <class F>
+void each_lane(int octet, unsigned used, F&& f) {
+  const int first = std::countr_zero(used);
+  for (int l = 0; l < graphsolve::simd::lanes; ++l)
+    f(l, octet * graphsolve::simd::lanes + (used >> l & 1u ? l : first));
+}
+
+}  // namespace physics
