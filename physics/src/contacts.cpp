@@ -221,7 +221,7 @@ void Contacts::save(int lane) {
 void Contacts::recall(int lane) {
   each_entry(lane, [&](Entry& entry) {
     entry.active = entry.saved_active;
-    visit(entry, [&](auto& port, auto& law) {
+    visit(entry, [&](auto& port, auto&& law) {
       const double* impulse = saved_.data() + entry.saved;
       if constexpr (std::decay_t<decltype(port)>::rows == 3) {
         port.set_tangent(entry.saved_tangent);

@@ -12,16 +12,13 @@ void Stepper::recall(int lane) {
   if (s.impulse_time == 0) return;
   for (int k = 0; k < bodies_per_lane; ++k) {
     const int i = body(lane, k);
-    Pose& pose = bodies.now[i];
-    pose.x = state.x[i];
-    pose.q = state.q[i];
-    if (!lanes[lane].before.new_force_direction) {
-      pose.x -= s.time_step * state.v[i];
-      pose.q = rotate(state.q[i], -state.w[i], rotation_scalar(state.w[i], s.time_step), s.time_step);
-    }
-    pose.rotation = pose.q.toRotationMatrix();
+    if (lanes[lane].before.new_force_direction) bodies.place(i, state.x[i], state.q[i]);
+    else
+      bodies.place(i, state.x[i] - s.time_step * state.v[i],
+                   rotate(state.q[i], -state.w[i], rotation_scalar(state.w[i], s.time_step), s.time_step));
   }
   for (int k = 0; k < joints_per_lane; ++k) joints.prepare(joint(lane, k), lanes[lane].time, s.impulse_time);
+  joints.aim();
   load_state_into_terms(lane, s.time_step);
 }
 
