@@ -22,7 +22,8 @@ std::int64_t pairs(std::int64_t sum, std::int64_t squares) { return (sum * sum -
 /// neighbours one by one costs O(1) for each.
 class MinimumFill {
  public:
-  explicit MinimumFill(const BlockGraph& graph) : graph_(graph), rule_(graph), nodes_(graph.size()) {
+  explicit MinimumFill(const BlockGraph& graph)
+      : graph_(graph), rule_(graph), nodes_(graph.size()), around_mark_(graph.size(), 0), seen_mark_(graph.size(), 0) {
     for (int i = 0; i < graph.size(); ++i) {
       for (const auto& edge : graph.edges({i})) couple(i, edge.to.index);
       std::sort(nodes_[i].list.begin(), nodes_[i].list.end());
@@ -126,10 +127,14 @@ class MinimumFill {
     clique_sum_ = node.sum;
     clique_squares_ = node.squares;
     filled_.clear();
+    ++around_stamp_;
     for (const int i : around_) {
+      around_mark_[i] = around_stamp_;
       forget(i, index);
-      if (around_.size() > 1) join(i);
     }
+    // A score of 0 is exact, whatever the degree: the neighbours see each other already.
+    if (node.score % against_rule != 0)
+      for (const int i : around_) join(i);
     freed_.clear();
     rule_.eliminate({index}, freed_);
     for (const NodeId i : freed_) nodes_[i.index].born = ++clock_;
@@ -150,11 +155,21 @@ class MinimumFill {
   void join(int i) {
     auto& list = nodes_[i].list;
     scratch_.clear();
-    if (list.size() > 16 * around_.size())
-      std::copy_if(around_.begin(), around_.end(), std::back_inserter(scratch_),
-                   [&](int k) { return !nodes_[i].sees(k); });
-    else std::set_difference(around_.begin(), around_.end(), list.begin(), list.end(), std::back_inserter(scratch_));
-    std::erase(scratch_, i);
+    if (list.size() > 16 * around_.size()) {
+      for (const int k : around_)
+        if (k != i && !nodes_[i].sees(k)) scratch_.push_back(k);
+    } else {
+      ++seen_stamp_;
+      std::size_t seen = 1;  // itself
+      for (const int k : list) {
+        if (around_mark_[k] != around_stamp_) continue;
+        seen_mark_[k] = seen_stamp_;
+        ++seen;
+      }
+      if (seen == around_.size()) return;
+      for (const int k : around_)
+        if (k != i && seen_mark_[k] != seen_stamp_) scratch_.push_back(k);
+    }
     if (scratch_.empty()) return;
     const auto old_size = static_cast<std::ptrdiff_t>(list.size());
     for (const int k : scratch_) {
@@ -185,7 +200,7 @@ class MinimumFill {
     for (const int k : nodes_[i].list) {
       const Node& node = nodes_[k];
       if (node.score < 0 || !node.alive || node.degree() > exact_degree) continue;
-      if (!std::binary_search(around_.begin(), around_.end(), k)) scratch_.push_back(k);
+      if (around_mark_[k] != around_stamp_) scratch_.push_back(k);
     }
   }
 
@@ -195,6 +210,8 @@ class MinimumFill {
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
   std::vector<int> around_;  ///< neighbours of the node just eliminated: the newest clique
   std::int64_t clique_sum_ = 0, clique_squares_ = 0;
+  std::vector<int> around_mark_, seen_mark_;  ///< the stamp: a node of around_; of those one that is seen already
+  int around_stamp_ = 0, seen_stamp_ = 0;
   std::vector<std::pair<int, int>> filled_;  ///< couplings that its elimination added
   std::vector<int> scratch_, merged_;
   std::vector<NodeId> freed_;
