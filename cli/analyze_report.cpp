@@ -169,10 +169,11 @@ std::string as_json(const AnalyzeReport& report) {
                          {"ordering_cpu_s", row.ordering_seconds},
                          {"symbolic_cpu_s", row.symbolic_seconds}});
   }
-  int saddle = 0, semidefinite = 0;
+  int saddle = 0, semidefinite = 0, shared = 0;
   for (int v = 0; v < report.graph.size(); ++v) {
     saddle += report.graph.kind({v}) == NodeKind::saddle;
     semidefinite += report.graph.kind({v}) == NodeKind::semidefinite;
+    shared += report.graph.kind({v}) == NodeKind::shared;
   }
   Json json{{"format", "graphsolve-analysis"},
                   {"version", 1},
@@ -182,6 +183,7 @@ std::string as_json(const AnalyzeReport& report) {
                   {"blocks", report.graph.size()},
                   {"saddle_blocks", saddle},
                   {"semidefinite_blocks", semidefinite},
+                  {"shared_blocks", shared},
                   {"zeros_added_for_symmetry", report.added_entries},
                   {"orderings", orderings},
                   {"best", name(report.best().method)},

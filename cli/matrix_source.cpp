@@ -79,11 +79,12 @@ std::string count(long long n, const char* one, const char* many) { return fmt::
 std::string describe(const MatrixSource& source, const std::string& map) {
   const SparseMatrix& matrix = source.file.matrix;
   const BlockGraph& graph = source.blocks.graph;
-  int largest = 0, saddle = 0, semidefinite = 0;
+  int largest = 0, saddle = 0, semidefinite = 0, shared = 0;
   for (int v = 0; v < graph.size(); ++v) {
     largest = std::max(largest, graph.dimension({v}));
     saddle += graph.kind({v}) == NodeKind::saddle;
     semidefinite += graph.kind({v}) == NodeKind::semidefinite;
+    shared += graph.kind({v}) == NodeKind::shared;
   }
   std::string text = fmt::format("{} x {}, {}, {}", matrix.rows, matrix.columns,
                                  count(matrix.entries(), "entry", "entries"),
@@ -96,6 +97,7 @@ std::string describe(const MatrixSource& source, const std::string& map) {
                       map.empty() ? "found" : "from " + map, count(largest, "row", "rows"));
   if (saddle > 0) text += fmt::format(", {} saddle", saddle);
   if (semidefinite > 0) text += fmt::format(", {} semidefinite", semidefinite);
+  if (shared > 0) text += fmt::format(", {} shared", shared);
   return text;
 }
 

@@ -38,6 +38,9 @@ struct KindInput {
 /// Kind of every block, by the rule of block_detection.hpp; what the user has said stands.
 std::vector<NodeKind> infer_kinds(const KindInput& input);
 
+/// Makes those regular blocks shared that the rule of block_detection.hpp calls so.
+void infer_shared(const KindInput& input, std::span<NodeKind> kinds);
+
 /// Couplings of full rank, by the rule of block_detection.hpp.
 std::vector<BlockCoupling> infer_ranks(const KindInput& input, std::span<const NodeKind> kinds);
 

@@ -45,7 +45,8 @@ BlockStructure build_structure(const SparseMatrix& matrix, const Pattern& patter
   }
   const std::vector<std::vector<int>> neighbours = find_neighbours(pattern, blocks, block_of);
   const KindInput input{blocks, pattern, matrix, neighbours, block_of};
-  const std::vector<NodeKind> kinds = infer_kinds(input);
+  std::vector<NodeKind> kinds = infer_kinds(input);
+  infer_shared(input, kinds);
   for (std::size_t b = 0; b < blocks.size(); ++b)
     structure.graph.add_node(blocks[b].name, static_cast<int>(blocks[b].rows.size()), kinds[b]);
   for (int b = 0; b < static_cast<int>(blocks.size()); ++b)

@@ -4,9 +4,9 @@ namespace graphsolve {
 
 namespace {
 
-/// Saddle nodes wait for all other kinds, semidefinite nodes for saddle nodes.
+/// Saddle nodes wait for regular and semidefinite nodes, semidefinite nodes for saddle nodes.
 bool waits_for(NodeKind guest, NodeKind host) {
-  if (guest == NodeKind::saddle) return host != NodeKind::saddle;
+  if (guest == NodeKind::saddle) return host == NodeKind::regular || host == NodeKind::semidefinite;
   return guest == NodeKind::semidefinite && host == NodeKind::saddle;
 }
 

@@ -23,6 +23,7 @@ void check(const char* name, bool fine, int status) {
 /// early would couple all its saddle neighbours with each other; "hub" is what AMD calls a dense row.
 int place(const BlockGraph& graph, NodeId node) {
   if (graph.kind(node) == NodeKind::saddle) return 1;
+  if (graph.kind(node) == NodeKind::shared) return 2;
   const double dense = std::max(16.0, 10 * std::sqrt(static_cast<double>(graph.size())));
   return static_cast<double>(graph.edges(node).size()) > dense ? 2 : 0;
 }

@@ -40,22 +40,35 @@ bool augment(const Eigen::SparseMatrix<double>& a, int start, Matching& m) {
   return false;
 }
 
+Matching no_matching(const Eigen::SparseMatrix<double>& a) {
+  const auto n = static_cast<std::size_t>(a.rows());
+  return {std::vector<int>(n, -1), std::vector<int>(n, -1), std::vector<int>(n, -1), {}};
+}
+
+/// Gives the column a row, its own or after others moved.
+bool match(const Eigen::SparseMatrix<double>& a, int column, Matching& m) {
+  for (Eigen::SparseMatrix<double>::InnerIterator entry(a, column); entry; ++entry)
+    if (m.column_of_row[entry.row()] < 0) {
+      m.column_of_row[entry.row()] = column;
+      return true;
+    }
+  return augment(a, column, m);
+}
+
 }  // namespace
 
 int structural_rank(const Eigen::SparseMatrix<double>& a) {
-  const auto n = static_cast<std::size_t>(a.rows());
-  Matching m{std::vector<int>(n, -1), std::vector<int>(n, -1), std::vector<int>(n, -1), {}};
+  Matching m = no_matching(a);
   int rank = 0;
-  for (int column = 0; column < a.cols(); ++column) {
-    bool free = false;
-    for (Eigen::SparseMatrix<double>::InnerIterator entry(a, column); entry && !free; ++entry)
-      if (m.column_of_row[entry.row()] < 0) {
-        m.column_of_row[entry.row()] = column;
-        free = true;
-      }
-    if (free || augment(a, column, m)) ++rank;
-  }
+  for (int column = 0; column < a.cols(); ++column) rank += match(a, column, m);
   return rank;
+}
+
+bool has_full_column_rank(const Eigen::SparseMatrix<double>& a) {
+  Matching m = no_matching(a);
+  for (int column = 0; column < a.cols(); ++column)
+    if (!match(a, column, m)) return false;
+  return true;
 }
 
 }  // namespace graphsolve

@@ -179,6 +179,38 @@ TEST(BlockKinds, CostlessVariablesAreToldFromConstraintsByWhatTheyTouch) {
   EXPECT_EQ(blocks.graph.kind({2}), NodeKind::saddle);
 }
 
+/// x_(k+1) = x_k with 400 steps of length t: rows 0 .. 400 are x, then 400 constraints, then t.
+std::vector<Triplet> steps_of_free_length() {
+  std::vector<Triplet> t;
+  const auto couple = [&](int i, int j) { t.insert(t.end(), {{i, j, 1}, {j, i, 1}}); };
+  for (int i = 0; i <= 400; ++i) t.push_back({i, i, 1});
+  for (int k = 0; k < 400; ++k) couple(401 + k, k), couple(401 + k, k + 1), couple(401 + k, 801);
+  t.push_back({801, 801, 1});
+  return t;
+}
+
+TEST(BlockKinds, AParameterOfVeryManyConstraintsIsShared) {
+  const SparseMatrix matrix = sparse(802, steps_of_free_length());
+  const BlockGraph graph = detect_blocks(matrix).graph;
+  ASSERT_EQ(graph.size(), 802);
+  EXPECT_EQ(graph.kind({801}), NodeKind::shared);
+  EXPECT_EQ(graph.kind({401}), NodeKind::saddle);
+  const Symbolic symbolic(graph, minimum_fill_ordering(graph));
+  EXPECT_GE(symbolic.position({801}), 802 - 4);  // at the end all see each other
+  EXPECT_LE(symbolic.counts().fill_blocks, 802);
+  // What the user says stands.
+  std::vector<Block> blocks = consecutive_blocks(std::vector<int>(802, 1));
+  blocks.back().kind = NodeKind::regular;
+  EXPECT_EQ(make_blocks(matrix, blocks).graph.kind({801}), NodeKind::regular);
+}
+
+TEST(BlockKinds, AParameterThatAConstraintNeedsIsNotShared) {
+  std::vector<Triplet> t = steps_of_free_length();
+  std::erase_if(t, [](const Triplet& e) { return std::max(e.row, e.column) == 401 && std::min(e.row, e.column) <= 1; });
+  const SparseMatrix matrix = sparse(802, t);
+  EXPECT_EQ(detect_blocks(matrix).graph.kind({801}), NodeKind::regular);
+}
+
 TEST(BlockKinds, WeakCouplingsDoNotCarryAConstraint) {
   const BlockStructure blocks =
       detect_blocks(sparse(3, {{0, 0, 1}, {1, 1, 1}, {2, 0, 1}, {0, 2, 1}, {2, 1, 1e-4}, {1, 2, 1e-4}}));

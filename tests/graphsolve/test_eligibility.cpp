@@ -83,6 +83,19 @@ TEST(Eligibility, WithoutFullRowRankAHostFreesNothing) {
   }
 }
 
+TEST(Eligibility, NobodyWaitsForASharedNodeAndItFreesNobody) {
+  TwoConstraints g;
+  const NodeId time = g.graph.add_node("time", 6, NodeKind::shared);
+  g.graph.add_edge(g.s, time, EdgeRank::full_row);
+  g.graph.add_edge(g.t, time, EdgeRank::full_row);
+  Elimination eliminate(g.graph);
+  EXPECT_TRUE(eliminate.rule.eligible(time));
+  EXPECT_EQ(eliminate(g.b), Nodes{g.t});  // as without it
+  EXPECT_TRUE(eliminate(g.t).empty());
+  EXPECT_TRUE(eliminate(time).empty());  // s is the only one left there: that is no reason
+  EXPECT_EQ(eliminate(g.a), Nodes{g.s});
+}
+
 TEST(Eligibility, NodeIsFreedOnceEvenWhenTwoReasonsMeet) {
   BlockGraph graph;
   const NodeId a = graph.add_node("a", 6), s = graph.add_node("s", 3, NodeKind::saddle);

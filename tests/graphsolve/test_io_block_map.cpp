@@ -90,7 +90,7 @@ TEST(BlockMapFile, EveryMistakeIsNamedWithItsPlace) {
             "map.json: blocks[0]: needs either 'dimension' (the next rows) or 'rows' (a list)");
   EXPECT_EQ(error_of(blocks(R"([{"dimension": 1, "size": 2}])")), "map.json: blocks[0]: unknown key 'size'");
   EXPECT_EQ(error_of(blocks(R"([{"dimension": 1, "kind": "sadle"}])")),
-            "map.json: blocks[0].kind: 'sadle' is no kind; there are: regular, semidefinite, saddle");
+            "map.json: blocks[0].kind: 'sadle' is no kind; there are: regular, semidefinite, saddle, shared");
   EXPECT_EQ(error_of(blocks(R"([{"rows": [1, 0]}])")), "map.json: blocks[0].rows[1]: 0 is no whole number from 1 on");
   EXPECT_EQ(error_of(blocks(R"([{"rows": []}])")), "map.json: blocks[0].rows: a block has at least one row");
   EXPECT_EQ(error_of(blocks(R"([{"dimension": 1, "name": ""}])")), "map.json: blocks[0].name: '' is no name");

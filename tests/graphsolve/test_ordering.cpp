@@ -73,6 +73,40 @@ TEST(Ordering, NoOrderUnderTheRuleMeetsASingularPivotOn1200RandomSaddleSystems) 
   EXPECT_GT(worst, 1e-10);
 }
 
+/// A parameter that all constraints of a graph share.
+BlockGraph with_shared_parameter(BlockGraph graph, int dimension) {
+  const int n = graph.size();
+  const NodeId parameter = graph.add_node("parameter", dimension, NodeKind::shared);
+  for (int i = 0; i < n; ++i)
+    if (graph.kind({i}) == NodeKind::saddle) graph.add_edge({i}, parameter, i % 2 == 0 ? EdgeRank::full_row : EdgeRank::unknown);
+  return graph;
+}
+
+TEST(Ordering, NoOrderMeetsASingularPivotWhereConstraintsShareAParameter) {
+  double worst = 1;
+  for (int seed = 1; seed <= 100; ++seed)
+    for (const BlockGraph& bare :
+         {families::random_tree(9, seed), families::anchored_chain(3 + seed % 5), families::loop(4 + seed % 6)}) {
+      const BlockGraph graph = with_shared_parameter(bare, 1 + seed % 4);
+      const Eigen::MatrixXd a = families::saddle_matrix(graph, seed);
+      for (const Ordering& ordering : {natural_ordering(graph), depth_first_ordering(graph), minimum_fill_ordering(graph),
+                                       wide_ordering(graph), user_ordering(graph, shuffled(graph, seed))}) {
+        ASSERT_TRUE(is_permutation_of_nodes(graph, ordering));
+        ASSERT_EQ(ordering.forced, 0);
+        worst = std::min(worst, worst_pivot(graph, ordering.sequence, a));
+      }
+    }
+  std::printf("             worst pivot %.1e\n", worst);
+  EXPECT_GT(worst, 1e-10);
+}
+
+TEST(Ordering, AParameterThatAllConstraintsShareCostsNoMoreThanItsColumn) {
+  const BlockGraph chain = families::chain(100), graph = with_shared_parameter(chain, 1);
+  const Symbolic without(chain, minimum_fill_ordering(chain)), with(graph, minimum_fill_ordering(graph));
+  EXPECT_GE(with.position({graph.size() - 1}), with.pivots() - 4);  // at the end all see each other
+  EXPECT_LE(with.counts().operations, 2 * without.counts().operations);
+}
+
 TEST(Ordering, DepthFirstWithoutTheRuleMeetsAZeroPivotOnALoop) {
   const BlockGraph graph = families::loop(6);
   // From a regular node the search ends at the link that closes the loop; as paper order it is eliminated first.

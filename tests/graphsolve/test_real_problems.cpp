@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <set>
 
+#include "graphsolve/block_detection.hpp"
 #include "graphsolve/factorization.hpp"
+#include "graphsolve/io/draw.hpp"
+#include "graphsolve/io/matrix_market.hpp"
 #include "graphsolve/robust_solver.hpp"
 #include "graphsolve/supernodes.hpp"
 
@@ -100,6 +103,30 @@ TEST(RealProblems, NormalMatricesOfPoseGraphsAreSolvedToRoundingByEveryFactoriza
       EXPECT_TRUE(solved.ok) << name;
       EXPECT_LE(solved.error, 1e-15) << name;
     }
+  }
+}
+
+/// Optimality systems of control problems whose final time is free: every constraint has it.
+TEST(RealProblems, AFinalTimeGoesLastInsteadOfCouplingAllConstraints) {
+  if (!families::data_directory()) GTEST_SKIP() << "no data";
+  for (const std::string name : {"hangGlider_2", "tumorAntiAngiogenesis_2"}) {
+    const SparseMatrix matrix = io::read_matrix_market(families::data_directory().value() + "/matrices/" + name + ".mtx").matrix;
+    const BlockStructure blocks = detect_blocks(matrix);
+    int shared = 0;
+    for (int i = 0; i < blocks.graph.size(); ++i) shared += blocks.graph.kind({i}) == NodeKind::shared;
+    EXPECT_EQ(shared, 1) << name;
+    const auto symbolic = std::make_shared<const Symbolic>(blocks.graph, minimum_fill_ordering(blocks.graph));
+    EXPECT_LE(io::fill_ratio(*symbolic), 3) << name;
+    Factorization f(symbolic, FactorizationKind::ldlt);
+    EntryMap(matrix, blocks, *symbolic).write(matrix.value, f.values());
+    f.allow_refinement();
+    f.keep_matrix(true);
+    const Factorization::Outcome outcome = f.factorize();
+    ASSERT_TRUE(outcome.ok()) << name;
+    EXPECT_EQ(outcome.boosts + outcome.dropped_rows, 0) << name;
+    std::vector<double> b(matrix.rows, 1.0), x = b;
+    f.solve(x);
+    EXPECT_LE(f.refine(b, x, 10).backward_error, 1e-14) << name;
   }
 }
 

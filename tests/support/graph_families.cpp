@@ -150,7 +150,7 @@ Eigen::MatrixXd saddle_matrix(const BlockGraph& graph, std::uint64_t seed) {
   Eigen::MatrixXd f = Eigen::MatrixXd::Zero(graph.rows(), graph.rows());
   each_block(graph, [&](NodeId a, NodeId b) {
     const int ra = graph.row(a), rb = graph.row(b), da = graph.dimension(a), db = graph.dimension(b);
-    if (a == b && graph.kind(a) == NodeKind::regular) {
+    if (a == b && (graph.kind(a) == NodeKind::regular || graph.kind(a) == NodeKind::shared)) {
       const Eigen::MatrixXd m = Eigen::MatrixXd::NullaryExpr(da, da, [&] { return normal(random); });
       f.block(ra, ra, da, da) = m * m.transpose() + 0.5 * Eigen::MatrixXd::Identity(da, da);
     } else if (graph.kind(a) == NodeKind::saddle && a != b) {

@@ -49,6 +49,11 @@ struct DetectionSettings {
 ///                           with more rows. Alone, or where two colours do not suffice: saddle.
 ///   saddle                  when the matrix is symmetric, its diagonal entries are all negative, and it has
 ///                           neighbours, whose diagonals are all positive: the dual of a quasi-definite system.
+///   shared                  when it would be regular, is coupled with more than max(16, 10 sqrt(blocks)) blocks, more
+///                           than 16 of them saddle, and all saddle rows can be matched with columns of other blocks,
+///                           each entry at least a thousandth of the largest of its row: such as the final time of a
+///                           control problem. Eliminated before the constraints it would couple them all. Rows that
+///                           can be matched may depend all the same; then the factorization says so.
 ///   regular                 otherwise. It may be indefinite: then the factorization watches it.
 /// The rank of a coupling between a saddle (or semidefinite) block and what it waits for is full where the smallest
 /// pivot of a rank-revealing QR of the coupling, in both triangles, reaches a thousandth of the block's largest entry

@@ -18,6 +18,8 @@ enum class NodeKind {
   regular,       ///< the symmetric part of the own block is positive definite
   semidefinite,  ///< the own block may be zero, such as a variable without cost
   saddle,        ///< a constraint row: its pivot appears only through its neighbours
+  shared,        ///< regular, and the saddle nodes are independent without it: a parameter of many of them, which none
+                 ///< has to wait for, so that it may go last
 };
 
 /// What is known of the coupling between a saddle node and its neighbour, from the saddle's side.

@@ -15,9 +15,11 @@ namespace graphsolve {
 ///   one of them, across a full-row-rank edge, was eliminated whose other saddle neighbours had all been
 ///   eliminated before it. A semidefinite node likewise waits for its saddle neighbours: for all of them, or
 ///   for one across a full-column-rank edge whose other semidefinite neighbours had all been eliminated before.
+///   Nobody waits for shared nodes.
 ///
 /// Under it no pivot block of a regular saddle system with monotone terms is singular: the eliminated rows of J are
-/// independent on the eliminated columns (block triangular in the private hosts, complete rows for the others), and
+/// independent on the eliminated columns (block triangular in the private hosts, for the others complete rows, complete
+/// but for shared nodes, without which they are independent by the promise that the kind is), and
 /// so are the costless columns on the eliminated rows. An order that knows nothing of the rule is repaired by
 /// deferring the ineligible node until it becomes eligible.
 ///

@@ -21,7 +21,7 @@ struct Word {
   T value;
 };
 constexpr std::array kinds{Word{"regular", NodeKind::regular}, Word{"semidefinite", NodeKind::semidefinite},
-                           Word{"saddle", NodeKind::saddle}};
+                           Word{"saddle", NodeKind::saddle}, Word{"shared", NodeKind::shared}};
 constexpr std::array ranks{Word{"unknown", EdgeRank::unknown}, Word{"full_row", EdgeRank::full_row},
                            Word{"full_column", EdgeRank::full_column}, Word{"full", EdgeRank::full}};
 

@@ -17,6 +17,7 @@ std::string node_line(const BlockGraph& graph, NodeId node) {
   const std::string label = quoted(std::string(graph.name(node)) + " (" + std::to_string(graph.dimension(node)) + ")");
   const char* shape = graph.kind(node) == NodeKind::saddle         ? "shape=box, style=filled, fillcolor=\"#f3dcc6\""
                       : graph.kind(node) == NodeKind::semidefinite ? "style=dashed"
+                      : graph.kind(node) == NodeKind::shared       ? "shape=doublecircle, style=filled, fillcolor=\"#d5e3f0\""
                                                                    : "style=filled, fillcolor=\"#d5e3f0\"";
   return "  n" + std::to_string(node.index) + " [label=" + label + ", " + shape + "];\n";
 }

@@ -10,7 +10,7 @@
 /// Pictures of a graph and its elimination, as text.
 namespace graphsolve::io {
 
-/// GraphViz: the graph, nodes by kind (regular an ellipse, semidefinite a dashed one, saddle a box) with their
+/// GraphViz: the graph, nodes by kind (regular an ellipse, shared one of two lines, semidefinite a dashed one, saddle a box) with their
 /// dimension; full-rank couplings bold.
 std::string graph_dot(const BlockGraph& graph);
 /// GraphViz: the elimination tree, arrows to the parent, the last pivots on top.
