@@ -81,14 +81,14 @@ std::vector<NodeId> package_sequence([[maybe_unused]] const BlockGraph& graph, O
   }
 }
 
-/// Minimum fill where it fills nothing; else of it, AMD and nested dissection the one of fewest operations, the first
-/// of equals.
+/// Minimum fill where it fills nothing; else of it, AMD, CAMD (where there are constraints, mostly the better of the
+/// two) and nested dissection the one of fewest operations, the first of equals.
 Ordering best_ordering(const BlockGraph& graph) {
   Ordering result = minimum_fill_ordering(graph);
   const PredictedCost cost = predict_cost(graph, result);
   if (cost.fill_blocks == 0) return result;
   std::int64_t least = cost.operations;
-  for (const OrderingMethod method : {amd, nested_dissection}) {
+  for (const OrderingMethod method : {amd, camd, nested_dissection}) {
     if (!available(method)) continue;
     Ordering other = make_ordering(graph, method);
     // A singular pivot costs more than any fill: an order that breaks the rule oftener is never better.
