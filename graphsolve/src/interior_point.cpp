@@ -108,9 +108,12 @@ void InteriorPoint::evaluate_ports() {
     ports[b]->natural_error(instances, scale_, error_, product_);
   }
   for (const int c : running_) {
-    double largest = port_error_[c] = error_[c];
-    each_row(c, [&](int i) { keep_largest(largest, std::abs(residual_[i]) * row_scale_[i]); });
-    error_[c] = largest;
+    port_error_[c] = error_[c];
+    // Two at a time, so that one comparison need not wait for the other.
+    double largest[2] = {error_[c], 0};
+    each_row(c, [&](int i) { keep_largest(largest[i % 2], std::abs(residual_[i]) * row_scale_[i]); });
+    keep_largest(largest[0], largest[1]);
+    error_[c] = largest[0];
   }
 }
 

@@ -44,6 +44,7 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   refine_.assign(components, 0);
   judged_.assign(components, 0);
   scaled_.assign(components, 0);
+  find_row_ranges();
   factorization_.allow_refinement();
   factorization_.set_saddle_shift(saddle_shift);
   reports_.resize(components);
@@ -52,6 +53,23 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   outcomes_.resize(components);
   running_.reserve(components);
   keep_running_.reserve(components);
+}
+
+void InteriorPoint::find_row_ranges() {
+  const Symbolic& s = factorization_.symbolic();
+  std::vector<RowRange> rows;
+  for (int c = 0; c < s.components(); ++c) {
+    row_range_begin_.push_back(static_cast<int>(row_ranges_.size()));
+    rows.clear();
+    for (int k = s.component_begin(c); k < s.component_begin(c + 1); ++k)
+      rows.push_back({s.row(k), s.row(k) + s.dimension(k)});
+    std::sort(rows.begin(), rows.end(), [](const RowRange& a, const RowRange& b) { return a.begin < b.begin; });
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      if (k > 0 && row_ranges_.back().end == rows[k].begin) row_ranges_.back().end = rows[k].end;
+      else row_ranges_.push_back(rows[k]);
+    }
+  }
+  row_range_begin_.push_back(static_cast<int>(row_ranges_.size()));
 }
 
 void InteriorPoint::make_lists(Lists& lists, std::span<const int> component_of_instance) {

@@ -98,12 +98,13 @@ Contacts::Reach Contacts::prepare(int lane, std::span<const double> velocity, co
       const int row = bodies_.row[port.body()];
       const Pose& pose = bodies_.now[port.body()];
       const Eigen::Map<const Vec3> v(velocity.data() + row), w(velocity.data() + row + 3);
-      const double vn = port.normal().dot(v + pose.rotation * w.cross(port.contact_point(pose)));
+      const Vec3 u = v + pose.rotation * w.cross(port.contact_point(pose));  // of the material point
+      const double vn = port.normal().dot(u);
       const double distance = port.distance(pose);
       reach.smallest_distance = std::min(reach.smallest_distance, distance);
       // Cannot be reached: even after two steps of free fall and a quarter more speed there is a gap left.
       entry.active = !step.cull || !(distance / step.dt + vn - fall - 0.25 * std::abs(vn) > reach_margin);
-      if (entry.active) prepare_entry(entry, port, law, velocity, step);
+      if (entry.active) prepare_entry(entry, port, law, u, step);
     });
     if (entry.active) ++reach.active;
   });
@@ -111,13 +112,11 @@ Contacts::Reach Contacts::prepare(int lane, std::span<const double> velocity, co
 }
 
 template <class PortType, class Law>
-void Contacts::prepare_entry(Entry& entry, PortType& port, Law& law, std::span<const double> velocity,
-                             const Step& step) {
+void Contacts::prepare_entry(Entry& entry, PortType& port, Law& law, const Vec3& u, const Step& step) {
   if constexpr (PortType::rows == 3) {
     if (!entry.loaded) law.clear();
     // A contact without a history is expected to slip the way gravity pulls.
-    if (entry.aligned)
-      align(entry, port, law, velocity, entry.loaded ? Vec3(Vec3::Zero()) : Vec3(step.dt * step.gravity));
+    if (entry.aligned) align(entry, port, law, entry.loaded ? u : Vec3(u + step.dt * step.gravity));
     if (step.force_factor != 1) law.scale_impulses(step.force_factor);
   } else {
     law.set_force(entry.loaded ? law.force() * step.force_factor : 0);
@@ -127,11 +126,7 @@ void Contacts::prepare_entry(Entry& entry, PortType& port, Law& law, std::span<c
 
 /// Turns t1 against the slip, so that sliding friction lies along one facet.
 template <class PortType, class Law>
-void Contacts::align(Entry& entry, PortType& port, Law& law, std::span<const double> velocity, const Vec3& pull) {
-  const int row = bodies_.row[port.body()];
-  const Pose& pose = bodies_.now[port.body()];
-  const Eigen::Map<const Vec3> v(velocity.data() + row), w(velocity.data() + row + 3);
-  const Vec3 u = v + pose.rotation * w.cross(port.contact_point(pose)) + pull;
+void Contacts::align(Entry& entry, PortType& port, Law& law, const Vec3& u) {
   const double u1 = port.tangent1().dot(u), u2 = port.tangent2().dot(u), speed = std::sqrt(u1 * u1 + u2 * u2);
   double f[2];
   law.friction_impulse(f);

@@ -89,9 +89,9 @@ class Contacts {
   void each_entry(int lane, F&& f) const;
   void add(const Contact& contact, int source, int body);
   template <class PortType, class Law>
-  void prepare_entry(Entry& entry, PortType& port, Law& law, std::span<const double> velocity, const Step& step);
+  void prepare_entry(Entry& entry, PortType& port, Law& law, const Vec3& u, const Step& step);
   template <class PortType, class Law>
-  void align(Entry& entry, PortType& port, Law& law, std::span<const double> velocity, const Vec3& pull);
+  void align(Entry& entry, PortType& port, Law& law, const Vec3& u);
 
   Bodies& bodies_;
   Interleaving side_by_side_;

@@ -87,6 +87,7 @@ class InteriorPoint {
 
   void make_lists(Lists& lists, std::span<const int> component_of_instance);
   void sort_by_component(Lists& lists, std::span<const int> instances);
+  void find_row_ranges();
   void set_running();
   void run_all();
   [[nodiscard]] static Instances of_component(const Lists& lists, int component) {
@@ -129,6 +130,11 @@ class InteriorPoint {
   Factorization factorization_;
   std::vector<Lists> term_lists_, port_lists_;
   std::vector<int> selected_, running_, keep_running_;
+  struct RowRange {
+    int begin, end;
+  };
+  std::vector<RowRange> row_ranges_;   ///< rows of each component, neighbours joined
+  std::vector<int> row_range_begin_;   ///< by component, into row_ranges_
   std::vector<double> x_, start_, dx_, rhs_, residual_, row_scale_;
   // By component.
   std::vector<ComponentReport> reports_;
@@ -154,11 +160,8 @@ class InteriorPoint {
 
 template <class F>
 void InteriorPoint::each_row(int component, F&& f) const {
-  const Symbolic& s = factorization_.symbolic();
-  for (int k = s.component_begin(component); k < s.component_begin(component + 1); ++k) {
-    const int begin = s.row(k), end = begin + s.dimension(k);
-    for (int i = begin; i < end; ++i) f(i);
-  }
+  for (int r = row_range_begin_[component]; r < row_range_begin_[component + 1]; ++r)
+    for (int i = row_ranges_[r].begin; i < row_ranges_[r].end; ++i) f(i);
 }
 
 }  // namespace graphsolve
