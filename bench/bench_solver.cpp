@@ -123,7 +123,7 @@ void report_graphsolve(benchmark::State& state, bench::GraphsolveSolver& solver,
   state.counters["dropped_rows"] = solver.outcome().dropped_rows;
   state.counters["boosts"] = solver.outcome().boosts;
   state.counters["fill"] = families::fill_factor(solver.symbolic());
-  state.counters["operations"] = static_cast<double>(solver.symbolic().counts().operations);
+  state.counters["operations"] = static_cast<double>(solver.outcome().operations);
 }
 
 bool symmetric(const Eigen::SparseMatrix<double>& a) {
@@ -179,8 +179,10 @@ void race(benchmark::State& state, const Entry& entry, const Factory& factory) {
     report_graphsolve(state, *ours, problem, team.x);
 }
 
-std::vector<std::pair<std::string, Factory>> packages() {
-  std::vector<std::pair<std::string, Factory>> list;
+using Solvers = std::vector<std::pair<std::string, Factory>>;
+
+Solvers packages() {
+  Solvers list;
 #ifdef GRAPHSOLVE_HAS_BASELINES
   for (const auto make : {&baselines::cholmod_simplicial, &baselines::cholmod_supernodal, &baselines::umfpack,
                           &baselines::klu, &baselines::eigen_ldlt, &baselines::eigen_lu})
@@ -189,19 +191,34 @@ std::vector<std::pair<std::string, Factory>> packages() {
   return list;
 }
 
-std::vector<std::pair<std::string, Factory>> ours(bench::Nodes nodes = bench::Nodes::as_given) {
-  std::vector<std::pair<std::string, Factory>> list;
-  const std::string ending = nodes == bench::Nodes::merged ? " merged" : "";
-  for (const auto& [name, kind] : {std::pair{"graphsolve ldu", graphsolve::FactorizationKind::ldu},
-                                   std::pair{"graphsolve ldlt", graphsolve::FactorizationKind::ldlt}})
-    list.emplace_back(name + ending, [kind = kind, nodes](const graphsolve::BlockGraph& graph) {
-      return std::make_unique<bench::GraphsolveSolver>(graph, kind, nodes);
+Solvers ours(const std::vector<std::pair<std::string, bench::Way>>& ways) {
+  Solvers list;
+  for (const auto& [name, way] : ways)
+    list.emplace_back("graphsolve " + name, [way = way](const graphsolve::BlockGraph& graph) {
+      return std::make_unique<bench::GraphsolveSolver>(graph, way);
     });
   return list;
 }
 
-void add(const std::string& table, const std::string& problem, const Entry& entry,
-         const std::vector<std::pair<std::string, Factory>>& solvers) {
+Solvers one_by_one(bench::Nodes nodes = bench::Nodes::as_given) {
+  const std::string ending = nodes == bench::Nodes::merged ? " merged" : "";
+  return ours({{"ldu" + ending, {.kind = graphsolve::FactorizationKind::ldu, .nodes = nodes}},
+               {"ldlt" + ending, {.kind = graphsolve::FactorizationKind::ldlt, .nodes = nodes}}});
+}
+
+/// On the best instruction set, and on those a machine without it has.
+Solvers in_packs() {
+  std::vector<std::pair<std::string, bench::Way>> ways;
+  const auto sets = graphsolve::simd::instruction_sets();
+  for (auto set = sets.rbegin(); set != sets.rend(); ++set)
+    for (const auto& [kind, text] : {std::pair{graphsolve::FactorizationKind::ldu, "ldu packs"},
+                                     std::pair{graphsolve::FactorizationKind::ldlt, "ldlt packs"}})
+      ways.push_back({text + (*set == sets.back() ? "" : " " + std::string(name(*set))),
+                      {.kind = kind, .path = bench::Path::packs, .set = *set}});
+  return ours(ways);
+}
+
+void add(const std::string& table, const std::string& problem, const Entry& entry, const Solvers& solvers) {
   for (const auto& [solver, factory] : solvers) {
     const Factory& make = factory;
     if (entry.spec.values == Values::unsymmetric && make({})->demand() != baselines::Demand::any) continue;
@@ -216,8 +233,10 @@ void add(const std::string& table, const std::string& problem, const Entry& entr
 /// Everybody on the entry; with more than one copy we solve all in one graph, they one after the other.
 void add_all(const std::string& table, const Entry& entry) {
   const std::string problem = entry.real.empty() ? families::describe(entry.spec) : entry.real;
-  add(table, problem, entry, ours());
-  if (!entry.real.empty()) add(table, problem, entry, ours(bench::Nodes::merged));
+  add(table, problem, entry, one_by_one());
+  if (table != "hard" && table != "real") add(table, problem, entry, in_packs());
+  if (!entry.real.empty() || (table == "speed" && entry.spec.family == Family::grid))
+    add(table, problem, entry, one_by_one(bench::Nodes::merged));
   Entry one = entry;
   one.copies = 1;
   add(table, problem, one, packages());
@@ -275,6 +294,7 @@ int main(int argc, char** argv) {
   benchmark::AddCustomContext("unit_ns", std::to_string(unit * 1e9));
   benchmark::AddCustomContext("cpu", processor());
   benchmark::AddCustomContext("blas", blas());
+  benchmark::AddCustomContext("instruction_set", std::string(name(graphsolve::simd::instruction_set())));
   benchmark::AddCustomContext("commit", GRAPHSOLVE_COMMIT);
   benchmark::AddCustomContext("compiler", GRAPHSOLVE_COMPILER);
   benchmark::AddCustomContext("flags", GRAPHSOLVE_FLAGS);

@@ -30,16 +30,32 @@ std::vector<std::int64_t> places(const Eigen::SparseMatrix<double>& a, const Blo
   return place;
 }
 
+std::shared_ptr<const Symbolic> symbolic_for_packs(const BlockGraph& graph) {
+  auto narrow = std::make_shared<const Symbolic>(graph, minimum_fill_ordering(graph));
+  auto wide = std::make_shared<const Symbolic>(graph, wide_ordering(graph));
+  return wide->counts().pack_operations < narrow->counts().pack_operations ? wide : narrow;
+}
+
 }  // namespace
 
 baselines::Status GraphsolveSolver::analyze(const Eigen::SparseMatrix<double>& a) {
   pattern_ = &a;
   place_.clear();
-  const Ordering ordering = minimum_fill_ordering(graph_);
-  if (nodes_ == Nodes::merged) merged_ = merge_supernodes(graph_, ordering);
-  factorization_ = std::make_unique<Factorization>(
-      nodes_ == Nodes::merged ? std::make_shared<const Symbolic>(merged_.graph, merged_.ordering)
-                              : std::make_shared<const Symbolic>(graph_, ordering), kind_);
+  simd::use_instruction_set(way_.set.value_or(simd::instruction_sets().back()));
+  std::shared_ptr<const Symbolic> symbolic;
+  if (way_.path == Path::packs) {
+    symbolic = symbolic_for_packs(graph_);
+  } else {
+    const Ordering ordering = minimum_fill_ordering(graph_);
+    if (way_.nodes == Nodes::merged) {
+      merged_ = merge_supernodes(graph_, ordering);
+      symbolic = std::make_shared<const Symbolic>(merged_.graph, merged_.ordering);
+    } else {
+      symbolic = std::make_shared<const Symbolic>(graph_, ordering);
+    }
+  }
+  factorization_ = std::make_unique<Factorization>(std::move(symbolic), way_.kind);
+  factorization_->use_packs(way_.path == Path::packs ? Packs::on : Packs::off);
   right_.resize(graph_.rows());
   x_.resize(graph_.rows());
   return {};
@@ -49,7 +65,7 @@ void GraphsolveSolver::write(std::span<const double> values) {
   if (place_.empty()) {
     std::vector<int> same(graph_.rows());
     std::iota(same.begin(), same.end(), 0);
-    place_ = nodes_ == Nodes::merged ? places(*pattern_, merged_.graph, merged_.row_of, symbolic())
+    place_ = way_.nodes == Nodes::merged ? places(*pattern_, merged_.graph, merged_.row_of, symbolic())
                                      : places(*pattern_, graph_, same, symbolic());
   }
   factorization_->set_zero();
@@ -60,12 +76,12 @@ void GraphsolveSolver::write(std::span<const double> values) {
 baselines::Status GraphsolveSolver::refactor() {
   outcome_ = factorization_->factorize();
   if (outcome_.ok()) return {};
-  const BlockGraph& graph = nodes_ == Nodes::merged ? merged_.graph : graph_;
+  const BlockGraph& graph = way_.nodes == Nodes::merged ? merged_.graph : graph_;
   return {false, "singular at " + std::string(graph.name(symbolic().node(outcome_.first_bad_pivot)))};
 }
 
 baselines::Status GraphsolveSolver::solve(std::span<const double> b, std::span<double> x) {
-  if (nodes_ == Nodes::as_given) {
+  if (way_.nodes == Nodes::as_given) {
     std::copy(b.begin(), b.end(), x.begin());
     factorization_->solve(x);
     return {};
@@ -83,7 +99,7 @@ void GraphsolveSolver::allow_refinement() {
 
 Factorization::Refinement GraphsolveSolver::refine(std::span<const double> b, std::span<double> x) {
   constexpr int sweeps = 10;
-  if (nodes_ == Nodes::as_given) return factorization_->refine(b, x, sweeps);
+  if (way_.nodes == Nodes::as_given) return factorization_->refine(b, x, sweeps);
   for (std::size_t i = 0; i < b.size(); ++i) {
     right_[merged_.row_of[i]] = b[i];
     x_[merged_.row_of[i]] = x[i];

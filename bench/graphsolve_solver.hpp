@@ -1,11 +1,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "baselines/baselines.hpp"
 #include "graphsolve/block_graph.hpp"
 #include "graphsolve/factorization.hpp"
+#include "graphsolve/simd/lanes.hpp"
 #include "graphsolve/supernodes.hpp"
 
 namespace bench {
@@ -13,17 +15,28 @@ namespace bench {
 /// Nodes as they are, or merged into larger ones where that promises to be faster (supernodes.hpp).
 enum class Nodes { as_given, merged };
 
+/// One pivot after the other in the order of minimum fill; or eight equal ones at once where there are as many, in the
+/// order of minimum fill or `wide`, whichever needs fewer operations then (Symbolic::Counts::pack_operations).
+enum class Path { scalar, packs };
+
+/// How graphsolve is used.
+struct Way {
+  graphsolve::FactorizationKind kind = graphsolve::FactorizationKind::ldu;
+  Nodes nodes = Nodes::as_given;
+  Path path = Path::scalar;
+  std::optional<graphsolve::simd::InstructionSet> set = {};  ///< for the whole process, from `analyze` on; default: the best
+};
+
 /// graphsolve behind the interface of the packages it is compared with. `write` puts the numbers into the storage of
 /// the factorization, as a term does; `refactor` then works in place.
 class GraphsolveSolver final : public baselines::Baseline {
  public:
   /// Refers to the graph, which must outlive it.
-  GraphsolveSolver(const graphsolve::BlockGraph& graph, graphsolve::FactorizationKind kind, Nodes nodes = Nodes::as_given)
-      : graph_(graph), kind_(kind), nodes_(nodes) {}
+  GraphsolveSolver(const graphsolve::BlockGraph& graph, const Way& way) : graph_(graph), way_(way) {}
 
   [[nodiscard]] std::string_view name() const override { return "graphsolve"; }
   [[nodiscard]] baselines::Demand demand() const override {
-    return kind_ == graphsolve::FactorizationKind::ldu ? baselines::Demand::any : baselines::Demand::symmetric;
+    return way_.kind == graphsolve::FactorizationKind::ldu ? baselines::Demand::any : baselines::Demand::symmetric;
   }
   [[nodiscard]] baselines::Status analyze(const Eigen::SparseMatrix<double>& a) override;
   void write(std::span<const double> values) override;
@@ -34,13 +47,13 @@ class GraphsolveSolver final : public baselines::Baseline {
   void allow_refinement();
   graphsolve::Factorization::Refinement refine(std::span<const double> b, std::span<double> x);
 
+  [[nodiscard]] Path path() const { return way_.path; }
   [[nodiscard]] const graphsolve::Symbolic& symbolic() const { return factorization_->symbolic(); }
   [[nodiscard]] const graphsolve::Factorization::Outcome& outcome() const { return outcome_; }
 
  private:
   const graphsolve::BlockGraph& graph_;
-  graphsolve::FactorizationKind kind_;
-  Nodes nodes_;
+  Way way_;
   graphsolve::Supernodes merged_;  ///< empty when nodes are as given
   std::unique_ptr<graphsolve::Factorization> factorization_;
   const Eigen::SparseMatrix<double>* pattern_ = nullptr;

@@ -57,15 +57,23 @@ def print_table(title, header, rows):
         print("| " + " | ".join(row) + " |")
 
 
-def ours(solvers):
-    return {name: run for name, run in solvers.items() if name.startswith("graphsolve") and "error" not in run}
+def ours(solvers, path=None):
+    """Those that solve it: all, or of one path, 'one by one' or 'in packs'; forced instruction sets are not among them."""
+    forced = ("plain", "avx2", "avx512")
+    return {name: run for name, run in solvers.items()
+            if name.startswith("graphsolve") and "error" not in run and not name.endswith(forced)
+            and (path is None or ("packs" in name) == (path == "in packs"))}
+
+
+def best(runs):
+    return min(runs.items(), key=lambda item: item[1]["total_us"]) if runs else (None, None)
 
 
 def fastest(solvers):
     """Of the packages that solve this very matrix: a positive definite twin is another one."""
     solved = {name: run for name, run in solvers.items()
               if not name.startswith("graphsolve") and "error" not in run and not run["label"]}
-    return min(solved.items(), key=lambda item: item[1]["total_us"]) if solved else (None, None)
+    return best(solved)
 
 
 def verdict(value, bar, smaller=False):
@@ -100,24 +108,21 @@ def family(problem):
 def bars_of_item_1(runs):
     problems, rows = runs.get("speed", {}), []
     for problem, solvers in problems.items():
-        if "," in problem or not ours(solvers):
+        if "," in problem:
             continue
-        name, us = min(ours(solvers).items(), key=lambda item: item[1]["total_us"])
         rival, them = fastest(solvers)
-        simplicial, supernodal = solvers.get("CHOLMOD simplicial", {}), solvers.get("CHOLMOD supernodal", {})
-        ratio = lambda run: run["total_us"] / us["total_us"] if run and "total_us" in run else None
-        kind, bars = family(problem), []
-        if kind in ("chain", "tree", "quadruped", "loop", "ladder"):
-            bars = [(ratio(them), 3.5, f"fastest, {rival}"), (ratio(simplicial), 5, "simplicial")]
-        elif kind == "grid":
-            bars = [(ratio(simplicial), 10, "simplicial"), (ratio(supernodal), 4, "supernodal")]
-        elif kind == "control":
-            bars = [(ratio(them), 5, f"fastest, {rival}")]
-        else:
-            bars = [(ratio(them), 1, f"fastest, {rival}")]
-        rows.append([problem, name.replace("graphsolve ", ""), short(us["total_us"])] +
-                    [f"{verdict(value, bar)} {against}" for value, bar, against in bars if value] + [""] * (2 - len(bars)))
-    print_table("Refactor + solve, times faster (issue 3, item 1)", ["problem", "fastest of ours", "us", "", ""], rows)
+        for path in ("one by one", "in packs"):
+            name, us = best(ours(solvers, path))
+            if not us:
+                continue
+            ratio = lambda run: run["total_us"] / us["total_us"] if run and "total_us" in run else None
+            against = bars_against(family(problem), ratio(them), rival, ratio(solvers.get("CHOLMOD simplicial")),
+                                   ratio(solvers.get("CHOLMOD supernodal")))
+            rows.append([problem, name.replace("graphsolve ", ""), short(us["total_us"])] +
+                        [f"{verdict(value, bar)} {other}" for value, bar, other in against if value] +
+                        [""] * (2 - len([value for value, _, _ in against if value])))
+    print_table("Refactor + solve, times faster (issue 3, item 1): pivots one by one, and eight at a time",
+                ["problem", "fastest of ours", "us", "", ""], rows)
     rows = []
     for problem, solvers in problems.items():
         ldu, ldlt = solvers.get("graphsolve ldu", {}), solvers.get("graphsolve ldlt", {})
@@ -125,6 +130,14 @@ def bars_of_item_1(runs):
             rows.append([problem, verdict(ldu["total_us"] / ldlt["total_us"], 1.3, smaller=True)])
     if rows:
         print_table("LDU over LDL' on trees", ["problem", "ratio"], rows)
+
+
+def bars_against(kind, fastest_ratio, rival, simplicial, supernodal):
+    if kind in ("chain", "tree", "quadruped", "loop", "ladder"):
+        return [(fastest_ratio, 3.5, f"fastest, {rival}"), (simplicial, 5, "simplicial")]
+    if kind == "grid":
+        return [(simplicial, 10, "simplicial"), (supernodal, 4, "supernodal")]
+    return [(fastest_ratio, 5 if kind == "control" else 1, f"fastest, {rival}")]
 
 
 def bars_of_item_2(runs, scale):
@@ -144,24 +157,33 @@ def bars_of_item_2(runs, scale):
 
 
 def bars_of_issue_4(runs):
-    rows = []
-    singles = {"chain 1000": (8, 16), "tree 10000": (5, 10)}
-    for problem, solvers in runs.get("speed", {}).items():
-        if problem in singles:
-            rows.append(row_of_issue_4("one " + problem, solvers, *singles[problem]))
-    for problem, solvers in runs.get("batch of 8", {}).items():
-        rows.append(row_of_issue_4("8 x " + problem + ", per system", solvers, 10, 13))
+    rows, singles = [], {"chain 1000": (8, 16), "tree 10000": (5, 10)}
+    entries = [("one " + problem, solvers, *singles[problem])
+               for problem, solvers in runs.get("speed", {}).items() if problem in singles]
+    entries += [("8 x " + problem + ", per system", solvers, 10, 13)
+                for problem, solvers in runs.get("batch of 8", {}).items()]
+    for title, solvers, bar, aim in entries:
+        rival, them = fastest(solvers)
+        name, us = best(ours(solvers))
+        if us and them:
+            ratio = them["total_us"] / us["total_us"]
+            rows.append([title, name.replace("graphsolve ", ""), short(us["total_us"]), rival, short(them["total_us"]),
+                         verdict(ratio, bar), f"{aim} ({'reached' if ratio >= aim else 'not reached'})"])
     print_table("Refactor + solve against the fastest package (issue 4)",
-                ["problem", "fastest of ours", "us", "fastest package", "us", "times faster", "aim"], [r for r in rows if r])
-
-
-def row_of_issue_4(title, solvers, bar, aim):
-    rival, them = fastest(solvers)
-    if not ours(solvers) or not them:
-        return None
-    name, us = min(ours(solvers).items(), key=lambda item: item[1]["total_us"])
-    return [title, name.replace("graphsolve ", ""), short(us["total_us"]), rival, short(them["total_us"]),
-            verdict(them["total_us"] / us["total_us"], bar), f"{aim}"]
+                ["problem", "fastest of ours", "us", "fastest package", "us", "times faster", "aim"], rows)
+    rows = []
+    for title, solvers, _, _ in entries:
+        _, us = best(ours(solvers))
+        forced = lambda name: best({n: run for n, run in solvers.items() if n.endswith(name) and "error" not in run})[1]
+        narrow, plain = forced("packs avx2"), forced("packs plain")
+        if us and narrow:
+            ratio = narrow["total_us"] / us["total_us"]
+            rows.append([title, short(narrow["total_us"]), verdict(ratio, 2.2, smaller=True),
+                         f"1.6 ({'reached' if ratio <= 1.6 else 'not reached'})",
+                         short(plain["total_us"]) if plain else ""])
+    if rows:
+        print_table("Without AVX-512, forced: times as long (issue 4)",
+                    ["problem", "us with AVX2", "over the best", "aim", "us, plain"], rows)
 
 
 def error_cell(run):
@@ -224,7 +246,8 @@ def main():
     runs, context = load(paths)
     unit = float(context["unit_ns"])
     print(f"unit {unit:.0f} ns (reference {REFERENCE_UNIT:.0f}); {context.get('cpu', '')}, {context['num_cpus']} cores; "
-          f"{context['compiler']}, {context['flags'].strip()}; {context.get('packages', 'no packages to compare with')}, "
+          f"{context['compiler']}, {context['flags'].strip()}, "
+          f"{context.get('instruction_set', 'plain')} chosen at run time; {context.get('packages', 'no packages to compare with')}, "
           f"BLAS {context.get('blas', '-')}; commit {context['commit']}; {context['date']}; one thread, thread CPU time, medians")
     times(runs, "speed", "Symmetric values")
     bars_of_item_1(runs)

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <ranges>
 
+#include "equal_couplings.hpp"
 #include "kernels.hpp"
 #include "operations.hpp"
 #include "rank_revealing.hpp"
@@ -11,16 +13,10 @@
 
 namespace graphsolve {
 
-namespace {
-
-/// A pivot of an uncertain saddle block below this part of what was added to its diagonal is rounding error: the
-/// row depends on others.
-constexpr double dependent = 1e-11;
-
-}  // namespace
+using simd::dependent;
 
 Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, FactorizationKind kind)
-    : symbolic_(std::move(symbolic)), kind_(kind) {
+    : symbolic_(std::move(symbolic)), kind_(kind), kernels_(&kernels::table()) {
   const Symbolic& s = *symbolic_;
   values_.assign(s.values_size(), 0.0);
   row_exchange_.assign(s.rows(), 0);
@@ -28,18 +24,26 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
   reference_.assign(s.rows(), 0.0);
   panel_reference_.assign(s.rows(), 0.0);
   rank_.assign(s.pivots(), 0);
+  uncertain_.reserve(std::ranges::count_if(std::views::iota(0, s.pivots()), [&](int k) { return s.may_depend(k); }));
   first_row_.assign(s.pivots(), 0);
   dropped_.reserve(s.rows());
-  int largest = 0;
+  equal_.assign(s.pivots(), 0);
+  int largest = 0, spread = 0;
   for (int k = 0, row = 0; k < s.pivots(); ++k) {
     first_row_[k] = row;
+    if (s.may_depend(k)) uncertain_.push_back(k);
+    equal_[k] = static_cast<char>(equal_couplings(s, k));
+    spread = std::max(spread, spread_size(s, k));
     row += s.dimension(k);
     largest = std::max(largest, s.dimension(k));
   }
   work_.assign(2 * largest * largest + 3 * largest, 0.0);
+  spread_.assign(spread, 0.0);
   outcomes_.resize(s.components());
   active_.assign(s.components(), 0);
-  if (!symmetric() && s.program().packs() > 0) packed_ = std::make_unique<simd::PackedFactor>(s);
+  using Form = simd::PackedFactor::Form;
+  if (s.program().packs() > 0)
+    packed_ = std::make_unique<simd::PackedFactor>(s, symmetric() ? Form::symmetric : Form::general);
 }
 
 Factorization::~Factorization() = default;
@@ -75,18 +79,22 @@ Factorization::Outcome Factorization::factorize() {
   dropped_.clear();
   if (!in_packs()) {
     factorize_range(0, symbolic_->pivots(), outcome);
+    any_packed_ &= !outcome.ok();  // after a failure some pivots are as they were
     total_ = outcome;
     complete_ = keep_matrix_ && outcome.ok();
     return outcome;
   }
   complete_ = false;
   prepare_range(0, symbolic_->pivots());
-  std::fill(active_.begin(), active_.end(), char{1});
+  set_all_active();
   std::fill(outcomes_.begin(), outcomes_.end(), Outcome{});
-  factorize_steps(outcomes_);
+  factorize_steps(outcomes_, Count::together);
   for (const Outcome& part : outcomes_) {
     outcome.dropped_rows += part.dropped_rows;
     outcome.boosts += part.boosts;
+    outcome.inertia.positive += part.inertia.positive;
+    outcome.inertia.negative += part.inertia.negative;
+    outcome.inertia.zero += part.inertia.zero;
     outcome.operations += part.operations;
     outcome.pivots += part.pivots;
     outcome.growth = std::max(outcome.growth, part.growth);
@@ -101,37 +109,6 @@ Factorization::Outcome Factorization::factorize(int component) {
   std::erase_if(dropped_, [&](const DroppedRow& d) { return symbolic_->component(d.node) == component; });
   factorize_range(symbolic_->component_begin(component), symbolic_->component_begin(component + 1), outcome);
   return outcome;
-}
-
-/// Is what neighbours add to the diagonal of this block remembered? Only where something is decided by it.
-bool Factorization::tracks_reference(int k) const {
-  const Symbolic::Pivot& p = symbolic_->pivot(k);
-  return p.saddle && kind_ != FactorizationKind::cholesky && (p.may_depend || (saddle_shift_ != 0 && symmetric()));
-}
-
-void Factorization::start_reference(int k) {
-  const Symbolic::Pivot& p = symbolic_->pivot(k);
-  double* reference = reference_.data() + first_row_[k];
-  const double* diagonal = values_.data() + p.diagonal;
-  const int d = p.dimension;
-  if (tracks_reference(k)) {
-    for (int i = 0; i < d; ++i) reference[i] = diagonal[i * (d + 1)];
-    start_panel_reference(k);
-  } else if (symmetric() && (!p.saddle || kind_ == FactorizationKind::cholesky))
-    for (int i = 0; i < d; ++i) reference[i] = std::abs(diagonal[i * (d + 1)]);
-  else
-    std::fill_n(reference, d, 0.0);
-}
-
-/// Largest entry of each row right of the diagonal block.
-void Factorization::start_panel_reference(int k) {
-  const Symbolic::Pivot& p = symbolic_->pivot(k);
-  double* reference = panel_reference_.data() + first_row_[k];
-  if (symmetric()) transpose_panel(k, values_.data());  // the upper panel need not have been filled
-  const double* column = values_.data() + p.upper;
-  std::fill_n(reference, p.dimension, 0.0);
-  for (int c = 0; c < p.coupled_rows; ++c, column += p.dimension)
-    for (int i = 0; i < p.dimension; ++i) reference[i] = std::max(reference[i], std::abs(column[i]));
 }
 
 /// Copies the matrix before it is overwritten.
@@ -155,14 +132,13 @@ double Factorization::largest_of(int k) const {
   const double* begin = values_.data() + p.diagonal;
   const double* end = values_.data() + p.upper + static_cast<std::int64_t>(p.dimension) * p.coupled_rows;
   double largest = 0;
+  if (symmetric()) {  // the other triangle is not kept up
+    end = values_.data() + p.upper;
+    for (int j = 0; j < p.dimension; ++j, begin += p.dimension)
+      for (int i = j; i < p.dimension; ++i) largest = std::max(largest, std::abs(begin[i]));
+  }
   for (; begin != end; ++begin) largest = std::max(largest, std::abs(*begin));
   return largest;
-}
-
-void Factorization::prepare_range(int begin, int end) {
-  if (begin == end) return;
-  if (keep_matrix_) keep(begin, end);
-  for (int k = begin; k < end; ++k) start_reference(k);
 }
 
 void Factorization::factorize_range(int begin, int end, Outcome& outcome) {
@@ -171,21 +147,9 @@ void Factorization::factorize_range(int begin, int end, Outcome& outcome) {
 }
 
 void Factorization::eliminate_alone(int k, Outcome& outcome) {
-  if (packed_) packed_->set_alone(k);
+  if (any_packed_) packed_->set_alone(k);
   if (keep_matrix_ && largest_entry_ > 0) outcome.growth = std::max(outcome.growth, largest_of(k) / largest_entry_);
   if (factorize_pivot(k, outcome)) eliminate(k, outcome);
-}
-
-void Factorization::shift_pivot(int k) {
-  const Symbolic::Pivot& p = symbolic_->pivot(k);
-  double* diagonal = values_.data() + p.diagonal;
-  const double* reference = reference_.data() + first_row_[k];
-  const bool tracked = tracks_reference(k);
-  for (int i = 0; i < p.dimension; ++i) {
-    double& entry = diagonal[i * (p.dimension + 1)];
-    // Where nothing may depend, all that was added has one sign, and the diagonal is its sum.
-    entry += saddle_shift_ * (tracked ? reference[i] : entry);
-  }
 }
 
 /// Which row of the block ended at a place beyond its rank.
@@ -205,7 +169,18 @@ void Factorization::drop_rows(int k, Outcome& outcome) {
 }
 
 bool Factorization::factorize_pivot(int k, Outcome& outcome) {
+  if (share_.empty()) return factorize_one(k, outcome);
   const Outcome before = outcome;
+  const bool regular = factorize_one(k, outcome);
+  share_[k] = {.inertia = {.positive = outcome.inertia.positive - before.inertia.positive,
+                           .negative = outcome.inertia.negative - before.inertia.negative,
+                           .zero = outcome.inertia.zero - before.inertia.zero},
+               .dropped_rows = outcome.dropped_rows - before.dropped_rows,
+               .boosts = outcome.boosts - before.boosts};
+  return regular;
+}
+
+bool Factorization::factorize_one(int k, Outcome& outcome) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   if (p.saddle && saddle_shift_ != 0 && kind_ != FactorizationKind::cholesky) shift_pivot(k);
   if (tracks_reference(k))
@@ -214,12 +189,6 @@ bool Factorization::factorize_pivot(int k, Outcome& outcome) {
   const bool regular = symmetric() ? factorize_pivot_symmetric(k, outcome) : factorize_pivot_any(k, outcome);
   if (!regular) outcome.first_bad_pivot = k;
   ++outcome.pivots;
-  if (!share_.empty())
-    share_[k] = {.inertia = {.positive = outcome.inertia.positive - before.inertia.positive,
-                             .negative = outcome.inertia.negative - before.inertia.negative,
-                             .zero = outcome.inertia.zero - before.inertia.zero},
-                 .dropped_rows = outcome.dropped_rows - before.dropped_rows,
-                 .boosts = outcome.boosts - before.boosts};
   return regular;
 }
 
@@ -231,7 +200,7 @@ bool Factorization::factorize_pivot_any(int k, Outcome& outcome) {
   const double* reference = reference_.data() + row;
   const bool look_for_dependence = p.may_depend && saddle_shift_ == 0;  // a shifted block is regular
   if (look_for_dependence) std::copy_n(diagonal, d * d, work_.data());
-  const double smallest = kernels::factor_kernel(d)(diagonal, row_exchange_.data() + row, d);
+  const double smallest = kernels_->factor(d)(diagonal, row_exchange_.data() + row, d);
   outcome.operations += lu_operations(d);
   if (look_for_dependence && !std::isnan(smallest) && !(smallest > dependent * *std::max_element(reference, reference + d))) {
     std::copy_n(work_.data(), d * d, diagonal);
@@ -247,7 +216,7 @@ bool Factorization::factorize_pivot_any(int k, Outcome& outcome) {
     if (!boost(k, work_.data())) return false;
     rank_[k] = d;
     std::copy_n(work_.data(), d * d, diagonal);
-    return kernels::factor_kernel(d)(diagonal, row_exchange_.data() + row, d) > 0;
+    return kernels_->factor(d)(diagonal, row_exchange_.data() + row, d) > 0;
   }
   return smallest > 0;
 }
@@ -260,47 +229,6 @@ void Factorization::eliminate(int k, Outcome& outcome) {
   solve_diagonal(k, values_.data() + p.upper, p.coupled_rows, p.dimension);
   outcome.operations += d * d * p.coupled_rows;
   update(k, 0, outcome);
-}
-
-/// The blocks between couplings `from`, from + 1, ... of pivot k lose L W; of symmetric ones the lower triangle.
-void Factorization::update(int k, int from, Outcome& outcome) {
-  const Symbolic& s = *symbolic_;
-  const Symbolic::Pivot& p = s.pivot(k);
-  const int d = p.dimension, m = p.end - p.begin;
-  const int* coupled = s.coupled_.data() + p.begin;
-  double* v = values_.data();
-  const std::int64_t* target = s.targets(p);
-  const double* lower = v + p.lower + s.block_offset_[p.begin + from];
-  const double* first_upper = v + p.upper + s.block_offset_[p.begin + from];
-  std::int64_t scalars = 0;
-  for (int i = from; i < m; ++i) {
-    const int di = s.pivot(coupled[i]).dimension;
-    const auto product = kernels::product_kernel(di, d);
-    const bool watch = tracks_reference(coupled[i]);
-    double* own = v + target[i * p.stride + i];
-    if (watch)
-      for (int q = 0; q < di; ++q) work_[q] = own[q * (di + 1)];
-    const double* upper = first_upper;
-    for (int j = from, last = symmetric() ? i : m; j < last; ++j) {
-      const int dj = s.pivot(coupled[j]).dimension;
-      product(v + target[i * p.stride + j], lower, upper, di, d, dj);
-      upper += d * dj;
-      scalars += static_cast<std::int64_t>(di) * dj;
-    }
-    if (symmetric()) {
-      kernels::lower_kernel(di, d)(own, lower, upper, di, d);
-      scalars += static_cast<std::int64_t>(di) * (di + 1) / 2;
-    }
-    if (watch) {
-      double* reference = reference_.data() + first_row_[coupled[i]];
-      for (int q = 0; q < di; ++q) {
-        const double added = own[q * (di + 1)] - work_[q];
-        if (std::abs(added) > std::abs(reference[q])) reference[q] = added;
-      }
-    }
-    lower += di * d;
-  }
-  outcome.operations += d * scalars;
 }
 
 }  // namespace graphsolve

@@ -8,7 +8,6 @@
 namespace graphsolve {
 
 void Factorization::allow_refactorization() {
-  packs_ = Packs::off;  // what is applied again is read from the values
   const Symbolic& s = *symbolic_;
   allow_refinement();
   const int n = s.pivots();

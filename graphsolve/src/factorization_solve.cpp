@@ -28,7 +28,7 @@ void Factorization::solve_diagonal(int k, double* x, int columns, std::ptrdiff_t
   const int row = first_row_[k];
   const double* diagonal = values_.data() + p.diagonal;
   if (rank_[k] == p.dimension) {
-    kernels::solve_kernel(p.dimension)(diagonal, row_exchange_.data() + row, x, p.dimension, columns, stride);
+    kernels_->solve(p.dimension)(diagonal, row_exchange_.data() + row, x, p.dimension, columns, stride);
     return;
   }
   for (int c = 0; c < columns; ++c, x += stride)
@@ -50,7 +50,7 @@ void Factorization::solve_component(std::span<double> x, int component) const {
 
 void Factorization::solve_components(std::span<double> x, std::span<const int> components) const {
   check_size(x, 1);
-  if (packed_) {
+  if (any_packed_) {
     set_active(components);
     solve_steps(x.data());
   } else {
@@ -61,9 +61,9 @@ void Factorization::solve_components(std::span<double> x, std::span<const int> c
 
 /// All pivots, or those of one component.
 void Factorization::solve_pivots(double* x, int columns, int begin, int end) const {
-  if (!packed_ || begin == end) return solve_range(x, columns, begin, end);
+  if (!any_packed_ || begin == end) return solve_range(x, columns, begin, end);
   if (end - begin == symbolic_->pivots()) {
-    std::fill(active_.begin(), active_.end(), char{1});
+    set_all_active();
   } else {
     const int component = symbolic_->component(symbolic_->node(begin));
     set_active({&component, 1});
@@ -86,8 +86,7 @@ void Factorization::solve_forward(int k, double* x, int columns) const {
   const double* lower = values_.data() + p.lower;
   for (int e = p.begin; e < p.end; ++e) {
     const Symbolic::Pivot& pi = s.pivot(s.coupled_[e]);
-    kernels::strided_kernel(pi.dimension, p.dimension)(x + pi.row, stride, lower, xk, stride, pi.dimension, p.dimension,
-                                                       columns);
+    kernels_->product(pi.dimension)(x + pi.row, stride, lower, xk, stride, pi.dimension, p.dimension, columns);
     lower += pi.dimension * p.dimension;
   }
 }
@@ -100,8 +99,8 @@ void Factorization::solve_backward(int k, double* x, int columns) const {
   const double* upper = values_.data() + p.upper;
   for (int e = p.begin; e < p.end; ++e) {
     const Symbolic::Pivot& pj = s.pivot(s.coupled_[e]);
-    kernels::strided_kernel(p.dimension, pj.dimension)(x + p.row, stride, upper, x + pj.row, stride, p.dimension,
-                                                       pj.dimension, columns);
+    kernels_->product(p.dimension)(x + p.row, stride, upper, x + pj.row, stride, p.dimension, pj.dimension,
+                                    columns);
     upper += p.dimension * pj.dimension;
   }
 }

@@ -23,33 +23,51 @@ void Factorization::factorize(std::span<const int> components, std::span<Outcome
     prepare_range(s.component_begin(c), s.component_begin(c + 1));
     largest_entry_ = largest = std::max(largest, largest_entry_);
   }
-  factorize_steps(outcomes);
+  factorize_steps(outcomes, Count::each);
 }
 
-bool Factorization::in_packs() const { return packed_ != nullptr && packs_ == Packs::on; }
+/// What refactorize() applies again it reads from the values, where packs leave no factors. The shift of a symmetric
+/// matrix is measured at every saddle block while it is updated.
+bool Factorization::in_packs() const {
+  return packed_ != nullptr && packs_ == Packs::on && share_.empty() && !(symmetric() && saddle_shift_ != 0);
+}
 
 void Factorization::set_active(std::span<const int> components) const {
   std::fill(active_.begin(), active_.end(), char{0});
   for (const int c : components) active_[c] = 1;
+  all_active_ = components.size() == active_.size();
+}
+
+void Factorization::set_all_active() const {
+  std::fill(active_.begin(), active_.end(), char{1});
+  all_active_ = true;
 }
 
 unsigned Factorization::active_lanes(std::span<const int> pivots, unsigned used) const {
-  if (symbolic_->components() == 1) return active_[0] ? used : 0;
+  if (all_active_) return used;
   unsigned found = 0;
   for (int l = 0; l < simd::lanes; ++l)
     found |= static_cast<unsigned>(active_[symbolic_->component(symbolic_->node(pivots[l]))]) << l;
   return found & used;
 }
 
-/// Outcomes by component. A component that has failed takes no further part.
-void Factorization::factorize_steps(std::span<Outcome> outcomes) {
+/// Outcomes by component, or what packs do all in the first. A component that has failed takes no further part.
+void Factorization::factorize_steps(std::span<Outcome> outcomes, Count count) {
   const Symbolic& s = *symbolic_;
   const simd::Program& program = s.program();
+  any_packed_ = true;
+  if (keep_matrix_) count = Count::each;
+  const simd::PackedFactor::Data data{
+      .values = values_.data(),
+      .reference = reference_.data(),
+      .first_row = first_row_.data(),
+      .saddle_shift = saddle_shift_,
+      .watch = kind_ == FactorizationKind::cholesky ? simd::Watch::no : simd::Watch::yes};
   const auto alone = [&](int k) {
     const int c = s.component(s.node(k));
     if (!active_[c]) return;
     eliminate_alone(k, outcomes[c]);
-    if (!outcomes[c].ok()) active_[c] = 0;
+    if (!outcomes[c].ok()) active_[c] = all_active_ = false;
   };
   for (const auto& step : program.steps()) {
     if (step.pack < 0) {
@@ -59,13 +77,14 @@ void Factorization::factorize_steps(std::span<Outcome> outcomes) {
     const simd::PivotPack& pack = program.pack(step.pack);
     const unsigned active = active_lanes(pack.pivot, pack.used);
     if (active == 0) continue;
-    const unsigned before = packed_->present(pack);
-    const unsigned pivoting = packed_->eliminate(pack, values_.data(), saddle_shift_, active);
-    count_pack(pack, active & ~pivoting, outcomes);
-    if ((active & (pivoting | ~before)) == 0) continue;  // as usual: nothing changes its place
+    const simd::Shape& shape = program.shape(pack);
+    const unsigned before = packed_->present(step.pack);
+    const unsigned other = packed_->eliminate(step.pack, data, definite(shape.saddle, shape.may_depend), active);
+    count_pack(pack, active & ~other, outcomes, count);
+    if ((active & (other | ~before)) == 0) continue;  // as usual: nothing changes its place
     for (int l = 0; l < simd::lanes; ++l) {
       const int k = pack.pivot[l];
-      if (pivoting >> l & 1u) {
+      if (other >> l & 1u) {
         alone(k);
       } else if (active >> l & 1u) {
         rank_[k] = s.dimension(k);
@@ -75,21 +94,24 @@ void Factorization::factorize_steps(std::span<Outcome> outcomes) {
   }
 }
 
-void Factorization::count_pack(const simd::PivotPack& pack, unsigned active, std::span<Outcome> outcomes) {
+void Factorization::count_pack(const simd::PivotPack& pack, unsigned active, std::span<Outcome> outcomes, Count count) {
   const Symbolic& s = *symbolic_;
   const simd::Shape& shape = s.program().shape(pack);
   const std::int64_t d = shape.dimension, m = shape.coupled_rows;
-  const std::int64_t operations = lu_operations(d) + d * m * (d + m);
-  if (s.components() == 1 && !keep_matrix_) {
-    outcomes[0].operations += operations * std::popcount(active);
-    outcomes[0].pivots += std::popcount(active);
-    return;
-  }
+  const std::int64_t operations = symmetric() ? ldlt_operations(d) + d * m * d + d * m * (m + 1) / 2
+                                              : lu_operations(d) + d * m * (d + m);
+  const auto add = [&](Outcome& outcome, int pivots) {
+    outcome.operations += operations * pivots;
+    outcome.pivots += pivots;
+    if (!symmetric()) return;
+    const bool negative = shape.saddle && kind_ != FactorizationKind::cholesky;
+    (negative ? outcome.inertia.negative : outcome.inertia.positive) += shape.dimension * pivots;
+  };
+  if (count == Count::together) return add(outcomes[0], std::popcount(active));
   for (int l = 0; l < simd::lanes; ++l) {
     if (!(active >> l & 1u)) continue;
     Outcome& outcome = outcomes[s.component(s.node(pack.pivot[l]))];
-    outcome.operations += operations;
-    ++outcome.pivots;
+    add(outcome, 1);
     // The blocks of the pivot are still in the values, as the elimination met them.
     if (keep_matrix_ && largest_entry_ > 0)
       outcome.growth = std::max(outcome.growth, largest_of(pack.pivot[l]) / largest_entry_);
@@ -107,16 +129,16 @@ void Factorization::solve_steps(double* x) const {
     const simd::PivotPack& pack = s.program().pack(step.pack);
     const unsigned active = active_lanes(pack.pivot, pack.used);
     if (active == 0) return;
-    const unsigned present = packed_->present(pack) & active;
-    if (present != 0) together(pack, present);
+    const unsigned present = packed_->present(step.pack) & active;
+    if (present != 0) together(step.pack, present);
     for (unsigned rest = active & ~present, l = 0; rest != 0; rest >>= 1, ++l)
       if (rest & 1u) alone(pack.pivot[l]);
   };
   for (const auto& step : steps)
-    walk(step, [&](const simd::PivotPack& pack, unsigned lanes) { packed_->solve_forward(pack, x, lanes); },
+    walk(step, [&](int pack, unsigned lanes) { packed_->solve_forward(pack, x, lanes); },
          [&](int k) { solve_forward(k, x, 1); });
   for (auto step = steps.rbegin(); step != steps.rend(); ++step)
-    walk(*step, [&](const simd::PivotPack& pack, unsigned lanes) { packed_->solve_backward(pack, x, lanes); },
+    walk(*step, [&](int pack, unsigned lanes) { packed_->solve_backward(pack, x, lanes); },
          [&](int k) { solve_backward(k, x, 1); });
 }
 

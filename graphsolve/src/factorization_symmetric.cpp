@@ -7,15 +7,17 @@
 #include "kernels.hpp"
 #include "operations.hpp"
 #include "rank_revealing.hpp"
+#include "simd/pivot_kernels.hpp"
 
 /// Pivots of the symmetric kinds. A definite block of the sign its node promises is factored without exchanges and
 /// left in the form of an LU, so that solving is the same for all kinds. Any other block gets an LU with exchanges, as
 /// stable as Bunch-Kaufman and the same to solve with, and its signs from a congruence of its own (block_inertia.hpp).
 namespace graphsolve {
 
+using simd::dependent;
+
 namespace {
 
-constexpr double dependent = 1e-11;  ///< as in the LDU: a pivot below this part of what was added is rounding
 constexpr double tiny = 1e-13;       ///< any other pivot below this part of its row's size is
 constexpr double boosted = 1e-7;     ///< part of its row's size that such a pivot gets
 constexpr double not_positive = 4 * std::numeric_limits<double>::epsilon();
@@ -47,19 +49,24 @@ void Factorization::mirror_matrix(int k) {
   transpose_panel(k, matrix_.data());
 }
 
+/// What the pivots of a block must be to do without exchanges.
+simd::Definite Factorization::definite(bool saddle, bool may_depend) const {
+  if (kind_ == FactorizationKind::cholesky) return {.sign = 1, .smallest = not_positive};
+  return {.sign = saddle ? -1.0 : 1.0, .smallest = may_depend && saddle_shift_ == 0 ? dependent : tiny};
+}
+
 bool Factorization::factorize_pivot_symmetric(int k, Outcome& outcome) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const int d = p.dimension, row = first_row_[k];
   double* diagonal = values_.data() + p.diagonal;
   const bool cholesky = kind_ == FactorizationKind::cholesky;
-  const bool negative = p.saddle && !cholesky;
-  const double smallest = cholesky ? not_positive : p.may_depend && saddle_shift_ == 0 ? dependent : tiny;
+  const auto [sign, smallest] = definite(p.saddle, p.may_depend);
   transpose_panel(k, values_.data());
   if (d > kernels::max_fixed) std::copy_n(diagonal, d * d, work_.data());
   outcome.operations += ldlt_operations(d);
-  if (kernels::definite_kernel(d)(diagonal, reference_.data() + row, negative ? -1 : 1, smallest, d)) {
+  if (kernels_->factor_definite(d)(diagonal, reference_.data() + row, sign, smallest, d)) {
     for (int i = 0; i < d; ++i) row_exchange_[row + i] = i;
-    (negative ? outcome.inertia.negative : outcome.inertia.positive) += d;
+    (sign < 0 ? outcome.inertia.negative : outcome.inertia.positive) += d;
     return true;
   }
   if (d > kernels::max_fixed) std::copy_n(work_.data(), d * d, diagonal);
@@ -101,7 +108,7 @@ bool Factorization::factorize_pivot_indefinite(int k, Outcome& outcome) {
   }
   rank_[k] = d;
   std::copy_n(block, d * d, diagonal);
-  return kernels::factor_kernel(d)(diagonal, row_exchange_.data() + row, d) > 0;
+  return kernels_->factor(d)(diagonal, row_exchange_.data() + row, d) > 0;
 }
 
 /// Adds to the diagonal entries of `block`, the pivot as it was, that rank-revealing pivoting left over. A row without entries of its own takes the

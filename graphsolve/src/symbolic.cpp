@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "equal_couplings.hpp"
 #include "graphsolve/factorization.hpp"
 #include "operations.hpp"
 #include "simd/program.hpp"
@@ -53,8 +54,12 @@ Symbolic::Symbolic(const BlockGraph& graph, const Ordering& ordering) : rows_(gr
 
 void Symbolic::count_memory() {
   const auto bytes = [](std::int64_t count, std::size_t size) { return count * static_cast<std::int64_t>(size); };
-  int largest = 0;
-  for (const Pivot& p : pivots_) largest = std::max(largest, p.dimension);
+  int largest = 0, spread = 0, uncertain = 0;
+  for (int k = 0; k < pivots(); ++k) {
+    largest = std::max(largest, dimension(k));
+    spread = std::max(spread, spread_size(*this, k));
+    uncertain += may_depend(k) ? 1 : 0;
+  }
   const std::int64_t plan = sizeof(Symbolic) + bytes(pivots(), sizeof(Pivot) + 2 * sizeof(int)) +
                             bytes(components() + 1, sizeof(int)) +
                             bytes(coupled_.size(), sizeof(int) + sizeof(char) + sizeof(std::int64_t)) +
@@ -62,10 +67,11 @@ void Symbolic::count_memory() {
   const std::int64_t numbers =
       sizeof(Factorization) + bytes(values_size_, sizeof(double)) +
       bytes(rows_, 2 * sizeof(int) + 2 * sizeof(double) + sizeof(Factorization::DroppedRow)) +
-      bytes(pivots(), 2 * sizeof(int)) + bytes(2 * std::int64_t{largest} * largest + 3 * largest, sizeof(double)) +
+      bytes(pivots(), 2 * sizeof(int) + sizeof(char)) + bytes(uncertain, sizeof(int)) + bytes(spread, sizeof(double)) +
+      bytes(2 * std::int64_t{largest} * largest + 3 * largest, sizeof(double)) +
       bytes(components(), sizeof(Factorization::Outcome) + sizeof(char));
   const std::int64_t packed = bytes(program_->factor_size() + program_->scratch_size(), sizeof(double)) +
-                              bytes(pivots(), sizeof(int) + sizeof(char));
+                              bytes(pivots(), sizeof(int)) + program_->packs();
   counts_.memory = plan + numbers + packed;
 }
 

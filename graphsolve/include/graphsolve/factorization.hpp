@@ -10,13 +10,18 @@
 
 namespace graphsolve {
 
+namespace kernels {
+struct Table;
+}
+
 namespace simd {
 class PackedFactor;
 struct PivotPack;
+struct Definite;
 }  // namespace simd
 
-/// Whether equal pivots of an LDU are eliminated eight at a time (SIMD, without exchanges of rows where that is sound)
-/// or all of them one by one, as in the symmetric kinds.
+/// Whether equal pivots are eliminated eight at a time (SIMD, without exchanges of rows where that is sound) or all of
+/// them one by one.
 enum class Packs { on, off };
 
 /// What is known of the matrix, and so how it is factored. All kinds share one Symbolic and one layout.
@@ -51,7 +56,7 @@ class Factorization {
   /// Another one of the same plan, kind, shift and use of packs; without numbers, and keeping no matrix.
   [[nodiscard]] Factorization twin() const;
 
-  /// From the next factorization on; `on` at first.
+  /// From the next factorization on; `on` at first. Without effect where refactorize() is allowed.
   void use_packs(Packs packs) { packs_ = packs; }
 
   [[nodiscard]] const Symbolic& symbolic() const { return *symbolic_; }
@@ -100,7 +105,8 @@ class Factorization {
   /// depend on which others are factored with it.
   void factorize(std::span<const int> components, std::span<Outcome> outcomes);
 
-  /// Makes room for refactorize(), and for the kept matrix; allocates now. Pivots go one by one from now on.
+  /// Makes room for refactorize(), and for the kept matrix; allocates now. Pivots go one by one from now on,
+  /// whatever use_packs() says.
   void allow_refactorization();
   /// A block of the kept matrix, for new numbers before refactorize().
   [[nodiscard]] double* kept_block(const BlockHandle& handle) { return matrix_.data() + handle.offset; }
@@ -151,16 +157,20 @@ class Factorization {
   void prepare_range(int begin, int end);
   void factorize_range(int begin, int end, Outcome& outcome);
   [[nodiscard]] bool in_packs() const;
-  void factorize_steps(std::span<Outcome> outcomes);
+  enum class Count { each, together };  ///< by component, or all in the first outcome
+  void factorize_steps(std::span<Outcome> outcomes, Count count);
   void eliminate_alone(int k, Outcome& outcome);
-  void count_pack(const simd::PivotPack& pack, unsigned active, std::span<Outcome> outcomes);
+  void count_pack(const simd::PivotPack& pack, unsigned active, std::span<Outcome> outcomes, Count count);
   void set_active(std::span<const int> components) const;
+  void set_all_active() const;
   [[nodiscard]] unsigned active_lanes(std::span<const int> pivots, unsigned used) const;
   bool factorize_pivot(int k, Outcome& outcome);
+  bool factorize_one(int k, Outcome& outcome);
   void restore(int k);
   void collect_redone(std::span<const NodeId> changed);
   void forget_redone(Outcome& outcome);
   bool factorize_pivot_any(int k, Outcome& outcome);
+  [[nodiscard]] simd::Definite definite(bool saddle, bool may_depend) const;
   bool factorize_pivot_symmetric(int k, Outcome& outcome);
   bool factorize_pivot_indefinite(int k, Outcome& outcome);
   bool boost(int k, double* block);
@@ -192,15 +202,19 @@ class Factorization {
 
   std::shared_ptr<const Symbolic> symbolic_;
   FactorizationKind kind_;
+  const kernels::Table* kernels_;     ///< of the instruction set in use when this was made
   std::vector<double> values_, matrix_;
   std::vector<int> row_exchange_;     ///< per row in pivot order: the row that took this place in its block
   std::vector<int> column_exchange_;  ///< same for columns; used only where rows were dropped
   std::vector<int> rank_;             ///< per pivot
   std::vector<int> first_row_;        ///< per pivot: first row in pivot order
+  std::vector<int> uncertain_;        ///< pivots that may depend, ascending
   std::vector<double> reference_;     ///< per row in pivot order: largest amount, signed, added to a saddle diagonal;
                                       ///< in the symmetric kinds |diagonal of the matrix| for other nodes
   std::vector<double> panel_reference_;  ///< where dependence is looked for: largest entry of the row right of the block
   std::vector<double> work_;          ///< two of the largest block and 3 of its rows; solving needs none of it
+  std::vector<char> equal_;           ///< per pivot: equal_couplings
+  std::vector<double> spread_;        ///< for the update of equal couplings
   std::vector<double> residual_, magnitude_, correction_;
   std::vector<DroppedRow> dropped_;
   // For refactorize().
@@ -218,7 +232,9 @@ class Factorization {
   std::unique_ptr<simd::PackedFactor> packed_;  ///< null where the program has no packs
   std::vector<Outcome> outcomes_;     ///< by component
   mutable std::vector<char> active_;  ///< by component: taking part in this call
+  mutable bool all_active_ = false;
   Packs packs_ = Packs::on;
+  bool any_packed_ = false;           ///< may any pivot's factor be in a pack?
   bool keep_matrix_ = false;
   double largest_entry_ = 0;          ///< of the kept part of the matrix
   double saddle_shift_ = 0;

@@ -1,13 +1,12 @@
 #include "simd/packed_factor.hpp"
 
-#include "simd/pivot_kernels.hpp"
-
 namespace graphsolve::simd {
 
-PackedFactor::PackedFactor(const Symbolic& symbolic)
+PackedFactor::PackedFactor(const Symbolic& symbolic, Form form)
     : symbolic_(symbolic),
       program_(symbolic.program()),
-      packed_(symbolic.pivots(), 0),
+      form_(form),
+      present_(program_.packs(), 0),
       place_(symbolic.pivots(), -1),
       factor_(hwy::AllocateAligned<double>(program_.factor_size() + lanes)),
       scratch_(hwy::AllocateAligned<double>(program_.scratch_size() + lanes)) {
@@ -19,50 +18,30 @@ PackedFactor::PackedFactor(const Symbolic& symbolic)
   }
 }
 
-unsigned PackedFactor::eliminate(const PivotPack& pack, double* values, double saddle_shift, unsigned active) {
-  const unsigned alone = simd::eliminate({.symbolic = symbolic_,
-                                          .shape = program_.shape(pack),
-                                          .pack = pack,
-                                          .values = values,
-                                          .factor = factor_.get() + pack.factor,
-                                          .scratch = scratch_.get(),
-                                          .saddle_shift = saddle_shift,
-                                          .active = active});
-  for (int l = 0; l < lanes; ++l)
-    if (active >> l & 1u) packed_[pack.pivot[l]] = (alone >> l & 1u) == 0;
+unsigned PackedFactor::eliminate(int i, const Data& data, const Definite& definite, unsigned active) {
+  const PivotPack& pack = program_.pack(i);
+  const PackJob job{.symbolic = symbolic_,
+                    .shape = program_.shape(pack),
+                    .pack = pack,
+                    .values = data.values,
+                    .factor = factor_.get() + pack.factor,
+                    .scratch = scratch_.get(),
+                    .reference = data.reference,
+                    .first_row = data.first_row,
+                    .saddle_shift = data.saddle_shift,
+                    .active = active};
+  const unsigned alone =
+      form_ == Form::symmetric ? simd::eliminate_symmetric(job, definite, data.watch) : simd::eliminate(job);
+  present_[i] = static_cast<std::uint8_t>((present_[i] & ~active) | (active & ~alone));
   return alone;
-}
-
-unsigned PackedFactor::present(const PivotPack& pack) const {
-  unsigned found = 0;
-  for (int l = 0; l < lanes; ++l)
-    if (pack.used >> l & 1u) found |= static_cast<unsigned>(packed_[pack.pivot[l]]) << l;
-  return found;
-}
-
-void PackedFactor::solve_forward(const PivotPack& pack, double* x, unsigned active) const {
-  simd::solve_forward({.shape = program_.shape(pack),
-                       .pack = pack,
-                       .rows = program_.rows(pack),
-                       .factor = factor_.get() + pack.factor,
-                       .x = x,
-                       .active = active});
-}
-
-void PackedFactor::solve_backward(const PivotPack& pack, double* x, unsigned active) const {
-  simd::solve_backward({.shape = program_.shape(pack),
-                        .pack = pack,
-                        .rows = program_.rows(pack),
-                        .factor = factor_.get() + pack.factor,
-                        .x = x,
-                        .active = active});
 }
 
 void PackedFactor::copy(int pivot, double* to) const {
   const PivotPack& pack = program_.pack(place_[pivot] / lanes);
+  const Shape& shape = program_.shape(pack);
   const double* from = factor_.get() + pack.factor + place_[pivot] % lanes;
-  const std::int64_t size = program_.shape(pack).size();
-  for (std::int64_t i = 0; i < size; ++i) to[i] = from[i * lanes];
+  const int size = shape.dimension * (shape.dimension + (form_ == Form::symmetric ? 1 : 2) * shape.coupled_rows);
+  for (int i = 0; i < size; ++i) to[i] = from[i * lanes];
 }
 
 }  // namespace graphsolve::simd

@@ -2,37 +2,62 @@
 
 #include <hwy/aligned_allocator.h>
 
-#include <span>
+#include <cstdint>
 #include <vector>
 
-#include "simd/program.hpp"
+#include "simd/pivot_kernels.hpp"
 
 namespace graphsolve::simd {
 
 /// The factors of all packs of a program, and which of their pivots had to be done alone instead.
 class PackedFactor {
  public:
-  explicit PackedFactor(const Symbolic& symbolic);
+  enum class Form { general, symmetric };
+  PackedFactor(const Symbolic& symbolic, Form form);
 
   /// Is the factor of this pivot in a pack (or with the values, as the scalar elimination leaves it)?
-  [[nodiscard]] bool packed(int pivot) const { return packed_[pivot] != 0; }
-  void set_alone(int pivot) { packed_[pivot] = 0; }
+  [[nodiscard]] bool packed(int pivot) const {
+    const int place = place_[pivot];
+    return place >= 0 && (present_[place / lanes] >> place % lanes & 1u) != 0;
+  }
+  void set_alone(int pivot) {
+    if (const int place = place_[pivot]; place >= 0)
+      present_[place / lanes] &= static_cast<std::uint8_t>(~(1u << place % lanes));
+  }
 
-  /// Eliminates a pack for the lanes in `active`; the lanes returned need exchanges of rows and were left alone.
-  unsigned eliminate(const PivotPack& pack, double* values, double saddle_shift, unsigned active);
+  /// Numbers that eliminations read and write, and how.
+  struct Data {
+    double *values, *reference;  ///< as in PackJob
+    const int* first_row;
+    double saddle_shift;
+    Watch watch;                 ///< symmetric form; the other watches always
+  };
+  /// Eliminates pack i for the lanes in `active`; the lanes returned need exchanges of rows and were left alone.
+  unsigned eliminate(int i, const Data& data, const Definite& definite, unsigned active);
   /// Lanes of the pack whose factor is here.
-  [[nodiscard]] unsigned present(const PivotPack& pack) const;
-  void solve_forward(const PivotPack& pack, double* x, unsigned active) const;
-  void solve_backward(const PivotPack& pack, double* x, unsigned active) const;
+  [[nodiscard]] unsigned present(int i) const { return present_[i]; }
+  void solve_forward(int i, double* x, unsigned active) const { simd::solve_forward(solve_job(i, x, active)); }
+  void solve_backward(int i, double* x, unsigned active) const {
+    if (form_ == Form::symmetric) simd::solve_backward_symmetric(solve_job(i, x, active));
+    else simd::solve_backward(solve_job(i, x, active));
+  }
 
-  /// D as LU without exchanges, L, D^-1 U of a packed pivot, as the scalar elimination would have left them.
+  /// D as LU without exchanges, L, and in the general form D^-1 U of a packed pivot, as the scalar elimination would
+  /// have left them.
   void copy(int pivot, double* to) const;
 
  private:
+  [[nodiscard]] PackSolve solve_job(int i, double* x, unsigned active) const {
+    const PivotPack& pack = program_.pack(i);
+    return {.shape = program_.shape(pack), .pack = pack, .rows = program_.rows(pack),
+            .factor = factor_.get() + pack.factor, .x = x, .active = active};
+  }
+
   const Symbolic& symbolic_;
   const Program& program_;
-  std::vector<char> packed_;  ///< by pivot
-  std::vector<int> place_;    ///< by pivot: pack * lanes + lane, or -1
+  Form form_;
+  std::vector<std::uint8_t> present_;  ///< by pack: a bit per lane
+  std::vector<int> place_;             ///< by pivot: pack * lanes + lane, or -1
   hwy::AlignedFreeUniquePtr<double[]> factor_, scratch_;
 };
 

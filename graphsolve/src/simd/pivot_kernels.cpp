@@ -1,5 +1,7 @@
 #include "simd/pivot_kernels.hpp"
 
+#include <cmath>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "simd/pivot_kernels.cpp"
 #include "graphsolve/simd/targets.hpp"
@@ -25,7 +27,7 @@ const Pack* packs(const double* p) { return reinterpret_cast<const Pack*>(p); }
 
 /// LU in place, column-major, reciprocals of the pivots on the diagonal. Lanes that should have been pivoted.
 template <int D>
-unsigned factor(Pack* a, int d_) {
+HWY_INLINE unsigned factor(Pack* a, int d_, const Pack& least) {
   const int d = D ? D : d_;
   Pack start[D ? D : largest_dimension], growth[D ? D : largest_dimension];
   for (int p = 0; p < d; ++p) {
@@ -33,18 +35,47 @@ unsigned factor(Pack* a, int d_) {
     growth[p] = Pack(0.0);
   }
   Mask sound = start[0] >= Pack(0.0);  // false for NaN
+#pragma GCC unroll 6
   for (int p = 0; p < d; ++p) {
     const Pack pivot = a[p * d + p];
-    sound = sound & (abs(pivot) > Pack(least_rest) * start[p]) & (growth[p] <= Pack(most_growth) * start[p]) &
-            (start[p] < Pack(1e300));
+    sound = sound & (abs(pivot) > max(Pack(least_rest) * start[p], least)) &
+            (growth[p] <= Pack(most_growth) * start[p]) & (start[p] < Pack(1e300));
     const Pack reciprocal = Pack(1.0) / pivot;
     a[p * d + p] = reciprocal;
+#pragma GCC unroll 6
     for (int i = p + 1; i < d; ++i) a[p * d + i] *= reciprocal;
+#pragma GCC unroll 6
     for (int j = p + 1; j < d; ++j) {
       const Pack u = a[j * d + p];
       growth[j] += abs(a[p * d + j] * u);
+#pragma GCC unroll 6
       for (int i = p + 1; i < d; ++i) a[j * d + i] = negative_multiply_add(a[p * d + i], u, a[j * d + i]);
     }
+  }
+  return ~bits(sound);
+}
+
+/// LDL^T from the lower triangle, into the form that factor() leaves. Lanes that are not definite.
+template <int D>
+HWY_INLINE unsigned factor_definite(Pack* a, const Pack* reference, const Definite& definite, int d_) {
+  const int d = D ? D : d_;
+  const Pack sign(definite.sign), smallest(definite.smallest), infinity(std::numeric_limits<double>::infinity());
+  Mask sound = Pack(0.0) <= Pack(0.0);
+#pragma GCC unroll 6
+  for (int p = 0; p < d; ++p) {
+    const Pack size = sign * a[p * d + p];
+    sound = sound & (size > smallest * reference[p]) & (size < infinity);
+    const Pack reciprocal = Pack(1.0) / a[p * d + p];
+    a[p * d + p] = reciprocal;
+#pragma GCC unroll 6
+    for (int i = p + 1; i < d; ++i) {
+      a[i * d + p] = a[p * d + i];
+      a[p * d + i] *= reciprocal;
+    }
+#pragma GCC unroll 6
+    for (int j = p + 1; j < d; ++j)
+#pragma GCC unroll 6
+      for (int i = j; i < d; ++i) a[j * d + i] = negative_multiply_add(a[p * d + j], a[i * d + p], a[j * d + i]);
   }
   return ~bits(sound);
 }
@@ -54,33 +85,99 @@ template <int D, int C>
 HWY_INLINE void solve_columns(const Pack* a, Pack* x, int d_) {
   const int d = D ? D : d_;
   Pack t[(D ? D : largest_dimension) * C];
+#pragma GCC unroll 12
   for (int i = 0; i < d * C; ++i) t[i] = x[i];
+#pragma GCC unroll 6
   for (int p = 0; p < d; ++p)
+#pragma GCC unroll 6
     for (int i = p + 1; i < d; ++i)
       for (int c = 0; c < C; ++c) t[c * d + i] = negative_multiply_add(a[p * d + i], t[c * d + p], t[c * d + i]);
+#pragma GCC unroll 6
   for (int p = d - 1; p >= 0; --p) {
     for (int c = 0; c < C; ++c) t[c * d + p] *= a[p * d + p];
+#pragma GCC unroll 6
     for (int i = 0; i < p; ++i)
       for (int c = 0; c < C; ++c) t[c * d + i] = negative_multiply_add(a[p * d + i], t[c * d + p], t[c * d + i]);
   }
+#pragma GCC unroll 12
   for (int i = 0; i < d * C; ++i) x[i] = t[i];
 }
 
-/// T (rows x C, leading dimension rows) := L (rows x d) W (d x C).
+template <int D>
+HWY_INLINE void solve_all(const Pack* lu, Pack* w, int d, int columns) {
+  int column = 0;
+  for (; column + columns_at_once <= columns; column += columns_at_once)
+    solve_columns<D, columns_at_once>(lu, w + column * d, d);
+  for (; column < columns; ++column) solve_columns<D, 1>(lu, w + column * d, d);
+}
+
+/// T (rows x C, leading dimension rows) := L (rows x d) W (d x C), from row `first` on.
 template <int D, int C>
-HWY_INLINE void product(const Pack* l, const Pack* w, Pack* t, int rows, int d_) {
+HWY_INLINE void product(const Pack* l, const Pack* w, Pack* t, int rows, int d_, int first = 0) {
   const int d = D ? D : d_;
   Pack column[(D ? D : largest_dimension) * C];
+#pragma GCC unroll 12
   for (int i = 0; i < d * C; ++i) column[i] = w[i];
-  for (int r = 0; r < rows; ++r) {
+  for (int r = first; r < rows; ++r) {
     Pack sum[C];
-    const Pack first = l[r];
-    for (int c = 0; c < C; ++c) sum[c] = first * column[c * d];
+    const Pack left = l[r];
+    for (int c = 0; c < C; ++c) sum[c] = left * column[c * d];
+#pragma GCC unroll 6
     for (int p = 1; p < d; ++p) {
       const Pack factor = l[p * rows + r];
       for (int c = 0; c < C; ++c) sum[c] = multiply_add(factor, column[c * d + p], sum[c]);
     }
     for (int c = 0; c < C; ++c) t[c * rows + r] = sum[c];
+  }
+}
+
+template <int D>
+HWY_INLINE void product_block(const Pack* l, const Pack* w, Pack* t, int rows, int columns, int d) {
+  int c = 0;
+  for (; c + columns_at_once <= columns; c += columns_at_once)
+    product<D, columns_at_once>(l, w + c * d, t + c * rows, rows, d);
+  for (; c < columns; ++c) product<D, 1>(l, w + c * d, t + c * rows, rows, d);
+}
+
+/// The lower triangle, zeros above.
+template <int D>
+HWY_INLINE void product_lower(const Pack* l, const Pack* w, Pack* t, int rows, int d) {
+  for (int c = 0; c < rows; ++c) {
+    for (int r = 0; r < c; ++r) t[c * rows + r] = Pack(0.0);
+    product<D, 1>(l, w + c * d, t + c * rows, rows, d, c);
+  }
+}
+
+/// The diagonal block of each lane's pivot.
+HWY_INLINE void own_places(const PackJob& job, double** place) {
+  for (int l = 0; l < lanes; ++l) place[l] = job.values + job.symbolic.pivot(job.pack.pivot[l]).diagonal;
+}
+
+/// Each lane's block between couplings i and j.
+HWY_INLINE void target_places(const PackJob& job, int i, int j, double** place) {
+  for (int l = 0; l < lanes; ++l) {
+    const Symbolic::Pivot& p = job.symbolic.pivot(job.pack.pivot[l]);
+    place[l] = job.values + job.symbolic.targets(p)[i * p.stride + j];
+  }
+}
+
+/// reference[p]: what row p is compared with, signed.
+HWY_INLINE void load_references(const PackJob& job, int d, Pack* reference) {
+  const double* from[lanes];
+  for (int l = 0; l < lanes; ++l) from[l] = job.reference + job.first_row[job.pack.pivot[l]];
+  load_transposed(from, d, reference, job.pack.used);
+}
+
+/// Coupling i loses T on its diagonal: remembers the largest amount per row, lane after lane.
+inline void remember(const PackJob& job, int i, const Pack* t, int rows, unsigned active) {
+  HWY_ALIGN double lost[lanes];
+  for (int q = 0; q < rows; ++q) {
+    store(t[q * (rows + 1)], lost);
+    for (int l = 0; l < lanes; ++l) {
+      if (!(active >> l & 1u)) continue;
+      double& reference = job.reference[job.first_row[job.symbolic.coupled(job.pack.pivot[l])[i]] + q];
+      if (std::abs(lost[l]) > std::abs(reference)) reference = -lost[l];
+    }
   }
 }
 
@@ -91,42 +188,91 @@ unsigned eliminate_pack(const PackJob& job) {
   Pack* lu = packs(job.factor);
   Pack* lower = lu + d * d;
   Pack* w = lower + d * coupled_rows;
-  const Symbolic::Pivot* pivot[lanes];
-  const double* place[lanes];
-  for (int l = 0; l < lanes; ++l) {
-    pivot[l] = &job.symbolic.pivot(job.pack.pivot[l]);
-    place[l] = job.values + pivot[l]->diagonal;
-  }
+  double* place[lanes];
+  own_places(job, place);
   // Diagonal, lower and upper panel of a pivot lie one after the other.
   load_transposed(place, d * (d + 2 * coupled_rows), lu, job.pack.used);
-  if (job.pack.saddle)
+  Pack least(0.0);
+  if (shape.may_depend) {
+    Pack reference[D ? D : largest_dimension];
+    load_references(job, d, reference);
+    for (int i = 0; i < d; ++i) least = max(least, abs(reference[i]));
+    // A shifted block is regular, whatever was added to it.
+    least = job.saddle_shift == 0 ? Pack(dependent) * least : Pack(0.0);
+    for (int i = 0; i < d; ++i) lu[i * (d + 1)] += Pack(job.saddle_shift) * reference[i];
+  } else if (shape.saddle) {
     for (int i = 0; i < d; ++i) lu[i * (d + 1)] *= Pack(1 + job.saddle_shift);
-  const unsigned pivoting = factor<D>(lu, d) & job.active;
+  }
+  const unsigned pivoting = factor<D>(lu, d, least) & job.active;
   const unsigned active = job.active & ~pivoting;
-  int column = 0;
-  for (; column + columns_at_once <= coupled_rows; column += columns_at_once)
-    solve_columns<D, columns_at_once>(lu, w + column * d, d);
-  for (; column < coupled_rows; ++column) solve_columns<D, 1>(lu, w + column * d, d);
+  if (active == 0) return pivoting;
+  solve_all<D>(lu, w, d, coupled_rows);
 
   Pack* t = packs(job.scratch);
-  double* target[lanes];
   const Pack* l_block = lower;
   for (int i = 0; i < m; ++i) {
     const int rows = shape.coupled[i];
     const Pack* w_block = w;
     for (int j = 0; j < m; ++j) {
       const int columns = shape.coupled[j];
-      int c = 0;
-      for (; c + columns_at_once <= columns; c += columns_at_once)
-        product<D, columns_at_once>(l_block, w_block + c * d, t + c * rows, rows, d);
-      for (; c < columns; ++c) product<D, 1>(l_block, w_block + c * d, t + c * rows, rows, d);
-      for (int l = 0; l < lanes; ++l) target[l] = job.values + job.symbolic.targets(*pivot[l])[i * pivot[l]->stride + j];
-      add_transposed(t, rows * columns, target, active, -1.0);
+      product_block<D>(l_block, w_block, t, rows, columns, d);
+      if (i == j && shape.coupled_may[i]) remember(job, i, t, rows, active);
+      target_places(job, i, j, place);
+      add_transposed(t, rows * columns, place, active, -1.0);
       w_block += columns * d;
     }
     l_block += rows * d;
   }
   return pivoting;
+}
+
+template <int D>
+unsigned eliminate_pack_symmetric(const PackJob& job, const Definite& definite, Watch watch) {
+  const Shape& shape = job.shape;
+  const int d = D ? D : shape.dimension, m = shape.couplings(), coupled_rows = shape.coupled_rows;
+  Pack* lu = packs(job.factor);
+  Pack* lower = lu + d * d;
+  double* place[lanes];
+  own_places(job, place);
+  load_transposed(place, d * (d + coupled_rows), lu, job.pack.used);
+  Pack reference[D ? D : largest_dimension];
+  load_references(job, d, reference);
+  for (int i = 0; i < d; ++i) reference[i] = abs(reference[i]);
+  const unsigned other = factor_definite<D>(lu, reference, definite, d) & job.active;
+  const unsigned active = job.active & ~other;
+  if (active == 0) return other;
+
+  Pack* w = packs(job.scratch);
+  Pack* t = w + d * coupled_rows;
+  const Pack* l_block = lower;
+  Pack* w_block = w;
+  for (int i = 0; i < m; ++i) {
+    const int rows = shape.coupled[i];
+    for (int r = 0; r < rows; ++r)
+#pragma GCC unroll 6
+      for (int q = 0; q < d; ++q) w_block[r * d + q] = l_block[q * rows + r];
+    l_block += rows * d;
+    w_block += rows * d;
+  }
+  solve_all<D>(lu, w, d, coupled_rows);
+  l_block = lower;
+  for (int i = 0; i < m; ++i) {
+    const int rows = shape.coupled[i];
+    w_block = w;
+    for (int j = 0; j < i; ++j) {
+      const int columns = shape.coupled[j];
+      product_block<D>(l_block, w_block, t, rows, columns, d);
+      target_places(job, i, j, place);
+      add_transposed(t, rows * columns, place, active, -1.0);
+      w_block += columns * d;
+    }
+    product_lower<D>(l_block, w_block, t, rows, d);
+    if (watch == Watch::yes && shape.coupled_may[i]) remember(job, i, t, rows, active);
+    target_places(job, i, i, place);
+    add_transposed(t, rows * rows, place, active, -1.0);
+    l_block += rows * d;
+  }
+  return other;
 }
 
 template <int D>
@@ -169,23 +315,52 @@ void backward(const PackSolve& job) {
   add_transposed(sum, d, place, job.active, -1.0);
 }
 
+template <int D>
+void backward_symmetric(const PackSolve& job) {
+  const Shape& shape = job.shape;
+  const int d = D ? D : shape.dimension;
+  const Pack* lu = packs(job.factor);
+  const Pack* l_block = lu + d * d;
+  Pack coupled[largest_front], sum[D ? D : largest_dimension];
+  double* place[lanes];
+  for (int p = 0; p < d; ++p) sum[p] = Pack(0.0);
+  for (int i = 0; i < shape.couplings(); ++i) {
+    const int rows = shape.coupled[i];
+    for (int l = 0; l < lanes; ++l) place[l] = job.x + job.rows[(i + 1) * lanes + l];
+    load_transposed(place, rows, coupled, job.pack.used);
+    for (int r = 0; r < rows; ++r)
+#pragma GCC unroll 6
+      for (int p = 0; p < d; ++p) sum[p] = multiply_add(l_block[p * rows + r], coupled[r], sum[p]);
+    l_block += rows * d;
+  }
+  solve_columns<D, 1>(lu, sum, d);
+  for (int l = 0; l < lanes; ++l) place[l] = job.x + job.rows[l];
+  add_transposed(sum, d, place, job.active, -1.0);
+}
+
 /// The same function with the dimension as a constant, for the usual ones.
-#define GRAPHSOLVE_BY_DIMENSION(d, function, job)     \
+#define GRAPHSOLVE_BY_DIMENSION(d, function, ...)     \
   switch (d) {                                        \
-    case 1: return function<1>(job);                  \
-    case 2: return function<2>(job);                  \
-    case 3: return function<3>(job);                  \
-    case 4: return function<4>(job);                  \
-    case 5: return function<5>(job);                  \
-    case 6: return function<6>(job);                  \
-    default: return function<0>(job);                 \
+    case 1: return function<1>(__VA_ARGS__);          \
+    case 2: return function<2>(__VA_ARGS__);          \
+    case 3: return function<3>(__VA_ARGS__);          \
+    case 4: return function<4>(__VA_ARGS__);          \
+    case 5: return function<5>(__VA_ARGS__);          \
+    case 6: return function<6>(__VA_ARGS__);          \
+    default: return function<0>(__VA_ARGS__);         \
   }
 
 }  // namespace
 
 unsigned Eliminate(const PackJob& job) { GRAPHSOLVE_BY_DIMENSION(job.shape.dimension, eliminate_pack, job) }
+unsigned EliminateSymmetric(const PackJob& job, const Definite& definite, Watch watch) {
+  GRAPHSOLVE_BY_DIMENSION(job.shape.dimension, eliminate_pack_symmetric, job, definite, watch)
+}
 void SolveForward(const PackSolve& job) { GRAPHSOLVE_BY_DIMENSION(job.shape.dimension, forward, job) }
 void SolveBackward(const PackSolve& job) { GRAPHSOLVE_BY_DIMENSION(job.shape.dimension, backward, job) }
+void SolveBackwardSymmetric(const PackSolve& job) {
+  GRAPHSOLVE_BY_DIMENSION(job.shape.dimension, backward_symmetric, job)
+}
 
 }  // namespace graphsolve::simd::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -194,12 +369,18 @@ HWY_AFTER_NAMESPACE();
 namespace graphsolve::simd {
 
 HWY_EXPORT(Eliminate);
+HWY_EXPORT(EliminateSymmetric);
 HWY_EXPORT(SolveForward);
 HWY_EXPORT(SolveBackward);
+HWY_EXPORT(SolveBackwardSymmetric);
 
 unsigned eliminate(const PackJob& job) { return HWY_DYNAMIC_DISPATCH(Eliminate)(job); }
+unsigned eliminate_symmetric(const PackJob& job, const Definite& definite, Watch watch) {
+  return HWY_DYNAMIC_DISPATCH(EliminateSymmetric)(job, definite, watch);
+}
 void solve_forward(const PackSolve& job) { HWY_DYNAMIC_DISPATCH(SolveForward)(job); }
 void solve_backward(const PackSolve& job) { HWY_DYNAMIC_DISPATCH(SolveBackward)(job); }
+void solve_backward_symmetric(const PackSolve& job) { HWY_DYNAMIC_DISPATCH(SolveBackwardSymmetric)(job); }
 
 }  // namespace graphsolve::simd
 #endif

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "simd/program.hpp"
 
 namespace graphsolve::simd {
@@ -12,8 +14,15 @@ struct PackJob {
   double* values;       ///< of the matrix, block after block; pivots' own blocks are read, targets written
   double* factor;       ///< of this pack
   double* scratch;
+  double* reference;    ///< per row in pivot order: amounts that pivots are compared with (Factorization)
+  const int* first_row; ///< per pivot: its first row in pivot order
   double saddle_shift;
   unsigned active;      ///< lanes to be done
+};
+
+/// When a pivot of a symmetric block is as good as its node promises: sign * pivot > smallest * its reference.
+struct Definite {
+  double sign, smallest;
 };
 
 /// What a pack's part of a solve works on.
@@ -26,12 +35,22 @@ struct PackSolve {
   unsigned active;
 };
 
+/// A pivot of a block that may depend, below this part of what was added to it, is rounding error.
+inline constexpr double dependent = 1e-11;
+
 /// D = L U without exchanges and W = D^-1 U; then the blocks between the couplings lose L W. Returns the lanes whose
-/// block needs exchanges: nothing was written for them, and they have to be done one by one.
+/// block needs exchanges, or whose rows depend: nothing was written for them, and they have to be done one by one.
 unsigned eliminate(const PackJob& job);
+/// The same for a symmetric matrix of which the lower triangle is given, D = L D L^T; of blocks on the diagonal only
+/// that triangle is updated. Returns the lanes whose block is not definite. `watch`: remember what is added to
+/// diagonals of blocks that may depend.
+enum class Watch { no, yes };
+unsigned eliminate_symmetric(const PackJob& job, const Definite& definite, Watch watch);
 /// x_k := D^-1 x_k, then the coupled rows lose L x_k.
 void solve_forward(const PackSolve& job);
 /// x_k -= W x_coupled.
 void solve_backward(const PackSolve& job);
+/// x_k -= D^-1 L^T x_coupled.
+void solve_backward_symmetric(const PackSolve& job);
 
 }  // namespace graphsolve::simd

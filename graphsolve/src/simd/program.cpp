@@ -16,26 +16,20 @@ std::vector<int> levels(const Symbolic& s) {
   return level;
 }
 
-/// Where rows may depend, the elimination looks at every amount by itself that is added to a diagonal.
-bool fits(const Symbolic& s, int k) {
-  const Symbolic::Pivot& p = s.pivot(k);
-  if (p.may_depend || p.dimension > largest_dimension || p.coupled_rows > largest_front) return false;
-  return std::ranges::none_of(s.coupled(k), [&](int later) { return s.pivot(later).may_depend; });
-}
+bool fits(const Symbolic::Pivot& p) { return p.dimension <= largest_dimension && p.coupled_rows <= largest_front; }
 
 }  // namespace
 
 Program::Program(const Symbolic& s) {
-  std::map<std::vector<int>, int> number;  // dimension, saddle or not, coupled dimensions
+  std::map<std::vector<int>, int> number;  // dimension and kind, then of each coupled block dimension and kind
   std::vector<int> shape(s.pivots(), -1), key;
-  std::vector<char> saddle;
   for (int k = 0; k < s.pivots(); ++k) {
     const Symbolic::Pivot& p = s.pivot(k);
-    if (!fits(s, k)) continue;
-    key.assign({p.dimension, p.saddle ? 1 : 0});
-    for (const int later : s.coupled(k)) key.push_back(s.dimension(later));
+    if (!fits(p)) continue;
+    key.assign({p.dimension, (p.saddle ? 2 : 0) + (p.may_depend ? 1 : 0)});
+    for (const int later : s.coupled(k)) key.insert(key.end(), {s.dimension(later), s.may_depend(later) ? 1 : 0});
     const auto [found, is_new] = number.try_emplace(key, static_cast<int>(shapes_.size()));
-    if (is_new) shapes_.push_back({p.dimension, p.coupled_rows, {key.begin() + 2, key.end()}});
+    if (is_new) add_shape(s, k);
     shape[k] = found->second;
   }
   const std::vector<int> level = levels(s);
@@ -57,20 +51,32 @@ Program::Program(const Symbolic& s) {
       }
     }
   }
+  steps_.shrink_to_fit();
+  packs_.shrink_to_fit();
+  rows_.shrink_to_fit();
+}
+
+void Program::add_shape(const Symbolic& s, int k) {
+  const Symbolic::Pivot& p = s.pivot(k);
+  Shape shape{p.dimension, p.coupled_rows, p.saddle, p.may_depend, {}, {}};
+  for (const int later : s.coupled(k)) {
+    shape.coupled.push_back(s.dimension(later));
+    shape.coupled_may.push_back(s.may_depend(later) ? 1 : 0);
+  }
+  const int largest = shape.coupled.empty() ? 1 : *std::max_element(shape.coupled.begin(), shape.coupled.end());
+  scratch_size_ = std::max(scratch_size_, lanes * (largest * largest + p.dimension * p.coupled_rows));
+  shapes_.push_back(std::move(shape));
 }
 
 void Program::add_pack(const Symbolic& s, int shape, std::span<const int> pivots) {
   const Shape& form = shapes_[shape];
-  PivotPack pack{.shape = shape, .used = (1u << pivots.size()) - 1, .saddle = s.pivot(pivots[0]).saddle,
-                 .pivot = {}, .factor = factor_size_, .rows = static_cast<int>(rows_.size())};
+  PivotPack pack{.shape = shape, .used = (1u << pivots.size()) - 1, .pivot = {}, .factor = factor_size_,
+                 .rows = static_cast<int>(rows_.size())};
   for (int l = 0; l < lanes; ++l) pack.pivot[l] = pivots[l < static_cast<int>(pivots.size()) ? l : 0];
   for (const int k : pack.pivot) rows_.push_back(s.row(k));
   for (int c = 0; c < form.couplings(); ++c)
     for (const int k : pack.pivot) rows_.push_back(s.row(s.coupled(k)[c]));
   factor_size_ += form.size() * lanes;
-  int largest = 1;
-  for (const int rows : form.coupled) largest = std::max(largest, rows);
-  scratch_size_ = std::max(scratch_size_, lanes * largest * largest);
   steps_.push_back({static_cast<int>(packs_.size()), -1});
   packs_.push_back(pack);
 }

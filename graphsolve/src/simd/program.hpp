@@ -14,16 +14,20 @@ namespace graphsolve::simd {
 
 /// Larger pivots have enough to do inside and go alone.
 inline constexpr int largest_dimension = 16;
-inline constexpr int largest_front = 64;  ///< coupled rows
+inline constexpr int largest_front = 32;  ///< coupled rows; beyond, few pivots of a level are equal
 inline constexpr int largest_factor = largest_dimension * (largest_dimension + 2 * largest_front);  ///< scalars
 
-/// Pivots are of one shape when their blocks and those coupled to them agree in size.
+/// Pivots are of one shape when their blocks and those coupled to them agree in size, and in whether their rows may
+/// depend.
 struct Shape {
   int dimension;
   int coupled_rows;
-  std::vector<int> coupled;  ///< dimensions of the coupled blocks
+  bool saddle;               ///< all of its pivots are saddle blocks (else none is)
+  bool may_depend;
+  std::vector<int> coupled;       ///< dimensions of the coupled blocks
+  std::vector<char> coupled_may;  ///< may their rows depend?
   [[nodiscard]] int couplings() const { return static_cast<int>(coupled.size()); }
-  /// Packs of the factor: D as LU, L, and D^-1 U.
+  /// Packs of the factor: D as LU, L, and D^-1 U, which the symmetric kinds do without.
   [[nodiscard]] std::int64_t size() const {
     return static_cast<std::int64_t>(dimension) * (dimension + 2 * coupled_rows);
   }
@@ -34,7 +38,6 @@ struct Shape {
 struct PivotPack {
   int shape;
   unsigned used;                  ///< bit per lane that has a pivot
-  bool saddle;                    ///< all of its pivots are saddle blocks (else none is)
   std::array<int, lanes> pivot;
   std::int64_t factor;            ///< place of its factor, in doubles
   int rows;                       ///< first of lanes * (1 + couplings) entries in Program::rows
@@ -60,6 +63,7 @@ class Program {
   [[nodiscard]] std::int64_t memory() const;                               ///< bytes, without the factor
 
  private:
+  void add_shape(const Symbolic& symbolic, int pivot);
   void add_pack(const Symbolic& symbolic, int shape, std::span<const int> pivots);
 
   std::vector<Step> steps_;

@@ -140,6 +140,9 @@ HWY_INLINE unsigned bits(const Mask& mask) {
 HWY_INLINE void transpose(const Vector* in, Vector* out) { out[0] = in[0]; }
 HWY_INLINE Vector load_first(const double* from, int) { return hn::LoadU(VectorTag(), from); }
 HWY_INLINE void store_first(Vector a, double* to, int) { hn::StoreU(a, VectorTag(), to); }
+HWY_INLINE void add_first(Vector factor, Vector a, double* to, int) {
+  hn::StoreU(hn::MulAdd(factor, a, hn::LoadU(VectorTag(), to)), VectorTag(), to);
+}
 
 #else
 
@@ -184,21 +187,59 @@ HWY_INLINE Vector load_first(const double* from, int count) {
   else return hn::MaskedLoad(hn::FirstN(VectorTag(), count), VectorTag(), from);
 }
 
-/// Writes only the first `count` (1 .. width) doubles.
-template <int W = width>
-HWY_INLINE void store_first(Vector a, double* to, int count) {
-  if (count == W) {
-    hn::StoreU(a, VectorTag(), to);
-  } else if constexpr (W == 8) {
-    hn::BlendedStore(a, hn::FirstN(VectorTag(), count), VectorTag(), to);
-  } else {
-    HWY_ALIGN double buffer[lanes];
-    hn::Store(a, VectorTag(), buffer);
-    for (int i = 0; i < count; ++i) to[i] = buffer[i];
+/// Writes only the first `count` (1 .. width) doubles, in halves: masked stores are slow on some machines.
+template <class V>
+HWY_INLINE void store_first(V a, double* to, int count) {
+  constexpr hn::DFromV<V> tag;
+  constexpr int lanes_here = static_cast<int>(hn::MaxLanes(tag));
+  if (count == lanes_here) {
+    hn::StoreU(a, tag, to);
+  } else if constexpr (lanes_here > 1) {
+    constexpr hn::Half<decltype(tag)> half;
+    constexpr int h = lanes_here / 2;
+    if (count > h) {
+      hn::StoreU(hn::LowerHalf(half, a), half, to);
+      store_first(hn::UpperHalf(half, a), to + h, count - h);
+    } else {
+      store_first(hn::LowerHalf(half, a), to, count);
+    }
+  }
+}
+
+/// to += factor a, for the first `count` (1 .. width) doubles.
+template <class V>
+HWY_INLINE void add_first(V factor, V a, double* to, int count) {
+  constexpr hn::DFromV<V> tag;
+  constexpr int lanes_here = static_cast<int>(hn::MaxLanes(tag));
+  if (count == lanes_here) {
+    hn::StoreU(hn::MulAdd(factor, a, hn::LoadU(tag, to)), tag, to);
+  } else if constexpr (lanes_here > 1) {
+    constexpr hn::Half<decltype(tag)> half;
+    constexpr int h = lanes_here / 2;
+    const auto low = hn::LowerHalf(half, factor);
+    if (count > h) {
+      hn::StoreU(hn::MulAdd(low, hn::LowerHalf(half, a), hn::LoadU(half, to)), half, to);
+      add_first(low, hn::UpperHalf(half, a), to + h, count - h);
+    } else {
+      add_first(low, hn::LowerHalf(half, a), to, count);
+    }
   }
 }
 
 #endif
+
+/// `width` consecutive doubles of eight places.
+HWY_INLINE void load_transposed_block(const double* const* from, int begin, Pack* to) {
+#pragma GCC unroll 8
+  for (int q = 0; q < parts; ++q) {
+    Vector rows[width], columns[width];
+#pragma GCC unroll 8
+    for (int r = 0; r < width; ++r) rows[r] = hn::LoadU(VectorTag(), from[q * width + r] + begin);
+    transpose(rows, columns);
+#pragma GCC unroll 8
+    for (int c = 0; c < width; ++c) to[begin + c].part[q] = columns[c];
+  }
+}
 
 /// `count` consecutive doubles of eight places become `count` packs: to[i] lane l = from[l][i]. Where only lane 0 is
 /// used, the others get its numbers.
@@ -207,15 +248,30 @@ HWY_INLINE void load_transposed(const double* const* from, int count, Pack* to, 
     for (int i = 0; i < count; ++i) to[i] = Pack(from[0][i]);
     return;
   }
-  for (int begin = 0; begin < count; begin += width) {
-    const int some = count - begin < width ? count - begin : width;
-    for (int q = 0; q < parts; ++q) {
-      Vector rows[width], columns[width];
-      for (int r = 0; r < width; ++r) rows[r] = load_first(from[q * width + r] + begin, some);
-      transpose(rows, columns);
-      for (int c = 0; c < some; ++c) to[begin + c].part[q] = columns[c];
-    }
+  int begin = 0;
+  for (; begin + width <= count; begin += width) load_transposed_block(from, begin, to);
+  if (begin == count) return;
+  if (count >= width) {  // some once more
+    load_transposed_block(from, count - width, to);
+    return;
   }
+  for (int q = 0; q < parts; ++q) {
+    Vector rows[width], columns[width];
+#pragma GCC unroll 8
+    for (int r = 0; r < width; ++r) rows[r] = load_first(from[q * width + r], count);
+    transpose(rows, columns);
+#pragma GCC unroll 8
+    for (int c = 0; c < width; ++c)
+      if (c < count) to[c].part[q] = columns[c];
+  }
+}
+
+/// from[begin .. begin + some - 1], packs of one register each, as `width` rows; beyond `some` anything.
+HWY_INLINE void rows_of_block(const Pack* from, int begin, int some, int q, Vector* rows) {
+  Vector columns[width];
+#pragma GCC unroll 8
+  for (int c = 0; c < width; ++c) columns[c] = from[begin + (c < some ? c : 0)].part[q];
+  transpose(columns, rows);
 }
 
 /// The reverse: to[l][i] = from[i] lane l, for the lanes whose bit is set in `active`.
@@ -227,9 +283,9 @@ HWY_INLINE void store_transposed(const Pack* from, int count, double* const* to,
   for (int begin = 0; begin < count; begin += width) {
     const int some = count - begin < width ? count - begin : width;
     for (int q = 0; q < parts; ++q) {
-      Vector rows[width], columns[width];
-      for (int c = 0; c < width; ++c) columns[c] = from[begin + (c < some ? c : 0)].part[q];
-      transpose(columns, rows);
+      Vector rows[width];
+      rows_of_block(from, begin, some, q, rows);
+#pragma GCC unroll 8
       for (int r = 0; r < width; ++r)
         if (active >> (q * width + r) & 1u) store_first(rows[r], to[q * width + r] + begin, some);
     }
@@ -246,14 +302,11 @@ HWY_INLINE void add_transposed(const Pack* from, int count, double* const* to, u
   for (int begin = 0; begin < count; begin += width) {
     const int some = count - begin < width ? count - begin : width;
     for (int q = 0; q < parts; ++q) {
-      Vector rows[width], columns[width];
-      for (int c = 0; c < width; ++c) columns[c] = from[begin + (c < some ? c : 0)].part[q];
-      transpose(columns, rows);
-      for (int r = 0; r < width; ++r) {
-        if (!(active >> (q * width + r) & 1u)) continue;
-        double* place = to[q * width + r] + begin;
-        store_first(hn::MulAdd(factor, rows[r], load_first(place, some)), place, some);
-      }
+      Vector rows[width];
+      rows_of_block(from, begin, some, q, rows);
+#pragma GCC unroll 8
+      for (int r = 0; r < width; ++r)
+        if (active >> (q * width + r) & 1u) add_first(factor, rows[r], to[q * width + r] + begin, some);
     }
   }
 }

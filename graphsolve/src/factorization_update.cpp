@@ -1,0 +1,78 @@
+#include <cmath>
+
+#include "equal_couplings.hpp"
+#include "graphsolve/factorization.hpp"
+#include "kernels.hpp"
+
+/// What the elimination of one pivot does to the blocks between its couplings: nearly all of the work.
+namespace graphsolve {
+
+namespace {
+
+/// Blocks of a row, from some coupling on, of which the first `count` lose their part of L W; in a symmetric matrix
+/// the lower triangle of the one that follows too.
+struct BlockRow {
+  const Symbolic& symbolic;
+  const int* coupled;
+  const std::int64_t* target;
+  int count, rows, inner;
+  bool symmetric;
+};
+
+/// Scalars that were updated.
+inline std::int64_t update_row(const kernels::Table& kernel, double* values, const BlockRow& row, const double* lower,
+                               const double* upper) {
+  const int di = row.rows, d = row.inner;
+  const auto product = kernel.product(di);
+  std::int64_t columns = 0;
+  for (int j = 0; j < row.count; ++j) {
+    const int dj = row.symbolic.pivot(row.coupled[j]).dimension;
+    product(values + row.target[j], di, lower, upper, d, di, d, dj);
+    upper += d * dj;
+    columns += dj;
+  }
+  if (!row.symmetric) return columns * di;
+  kernel.lower_product(di)(values + row.target[row.count], lower, upper, di, d);
+  return columns * di + di * (di + 1) / 2;
+}
+
+}  // namespace
+
+/// The blocks between couplings `from`, from + 1, ... of pivot k lose L W; of symmetric ones the lower triangle.
+void Factorization::update(int k, int from, Outcome& outcome) {
+  const Symbolic& s = *symbolic_;
+  const Symbolic::Pivot& p = s.pivot(k);
+  const int d = p.dimension, m = p.end - p.begin;
+  const int* coupled = s.coupled_.data() + p.begin;
+  double* v = values_.data();
+  const double* lower = v + p.lower + s.block_offset_[p.begin + from];
+  const double* upper = v + p.upper + s.block_offset_[p.begin + from];
+  const int size = m - from >= fewest_equal ? equal_[k] : 0;
+  if (size > 0) kernels_->spreads[size - 1](upper, spread_.data(), d, m - from);
+  std::int64_t scalars = 0;
+  for (int i = from; i < m; ++i) {
+    const std::int64_t* target = s.targets(p) + static_cast<std::int64_t>(i) * p.stride + from;
+    const int di = s.pivot(coupled[i]).dimension, before = symmetric() ? i - from : m - from;
+    const bool watch = tracks_reference(coupled[i]);
+    double* own = v + target[i - from];
+    if (watch)
+      for (int q = 0; q < di; ++q) work_[q] = own[q * (di + 1)];
+    if (size > 0) {
+      kernels_->rows_of_blocks[size - 1](v, target, lower, spread_.data(), d, before + (symmetric() ? 1 : 0));
+      scalars += static_cast<std::int64_t>(di) * di * before + (symmetric() ? di * (di + 1) / 2 : 0);
+    } else {
+      scalars += update_row(*kernels_, v, {s, coupled + from, target, before, di, d, symmetric()}, lower, upper);
+    }
+    if (watch) {
+      double* reference = reference_.data() + first_row_[coupled[i]];
+      for (int q = 0; q < di; ++q) {
+        const double added = own[q * (di + 1)] - work_[q];
+        if (std::abs(added) > std::abs(reference[q])) reference[q] = added;
+      }
+    }
+    lower += di * d;
+  }
+  outcome.operations += d * scalars;
+}
+
+}  // namespace graphsolve

@@ -1,0 +1,351 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kernels.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "simd/block_kernels.cpp"
+#include "graphsolve/simd/targets.hpp"
+// Compiles the rest of this file once per instruction set.
+#include <hwy/foreach_target.h>
+
+#include "simd/rows-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace graphsolve::kernels::HWY_NAMESPACE {
+namespace {
+
+/// J columns of C (M rows) -= A B, kept in registers meanwhile.
+template <int M, int J>
+HWY_INLINE void product_columns(double* HWY_RESTRICT c, std::ptrdiff_t ldc, const double* HWY_RESTRICT a,
+                                std::ptrdiff_t lda, const double* HWY_RESTRICT b, std::ptrdiff_t ldb, int k) {
+  Rows<M> sum[J];
+#pragma GCC unroll 8
+  for (int j = 0; j < J; ++j) sum[j] = Rows<M>::load(c + j * ldc);
+  for (int p = 0; p < k; ++p) {
+    const Rows<M> column = Rows<M>::load(a + p * lda);
+#pragma GCC unroll 8
+    for (int j = 0; j < J; ++j) sum[j].subtract(column, b[j * ldb + p]);
+  }
+#pragma GCC unroll 8
+  for (int j = 0; j < J; ++j) sum[j].store(c + j * ldc);
+}
+
+template <int M, int J>
+HWY_INLINE void product_rest(double* c, std::ptrdiff_t ldc, const double* a, std::ptrdiff_t lda, const double* b,
+                             std::ptrdiff_t ldb, int k, int n) {
+  if constexpr (J > 0) {
+    if (n == J) product_columns<M, J>(c, ldc, a, lda, b, ldb, k);
+    else product_rest<M, J - 1>(c, ldc, a, lda, b, ldb, k, n);
+  }
+}
+
+template <int M>
+void product_rows(double* c, std::ptrdiff_t ldc, const double* a, std::ptrdiff_t lda, const double* b,
+                  std::ptrdiff_t ldb, int k, int n) {
+  constexpr int J = std::max(1, std::min(6, 12 / Rows<M>::registers));
+  for (; n >= J; n -= J, c += J * ldc, b += J * ldb) product_columns<M, J>(c, ldc, a, lda, b, ldb, k);
+  product_rest<M, J - 1>(c, ldc, a, lda, b, ldb, k, n);
+}
+
+/// Eight rows at a time.
+void product_any(double* c, std::ptrdiff_t ldc, const double* a, std::ptrdiff_t lda, const double* b,
+                 std::ptrdiff_t ldb, int m, int k, int n) {
+  for (; m >= 8; m -= 8, c += 8, a += 8) product_rows<8>(c, ldc, a, lda, b, ldb, k, n);
+  switch (m) {
+    case 1: return product_rows<1>(c, ldc, a, lda, b, ldb, k, n);
+    case 2: return product_rows<2>(c, ldc, a, lda, b, ldb, k, n);
+    case 3: return product_rows<3>(c, ldc, a, lda, b, ldb, k, n);
+    case 4: return product_rows<4>(c, ldc, a, lda, b, ldb, k, n);
+    case 5: return product_rows<5>(c, ldc, a, lda, b, ldb, k, n);
+    case 6: return product_rows<6>(c, ldc, a, lda, b, ldb, k, n);
+    case 7: return product_rows<7>(c, ldc, a, lda, b, ldb, k, n);
+    default: return;
+  }
+}
+
+template <int M>
+void product(double* c, std::ptrdiff_t ldc, const double* a, const double* b, std::ptrdiff_t ldb, int m, int k, int n) {
+  if constexpr (M > 0) product_rows<M>(c, ldc, a, M, b, ldb, k, n);
+  else product_any(c, ldc, a, m, b, ldb, m, k, n);
+}
+
+template <int M>
+void lower_product(double* c, const double* a, const double* b, int m, int k) {
+  if constexpr (M > 0) {
+    product_rows<M>(c, M, a, M, b, k, k, M);
+  } else {
+    for (int j = 0; j < m; j += 8)
+      product_any(c + j * (m + 1), m, a + j, m, b + j * k, k, m - j, k, std::min(8, m - j));
+  }
+}
+
+/// Every number of W as often as a block has rows: for column block j and row p of W the S x S numbers that row p of W
+/// multiplies column p of an L by.
+template <int S>
+void spread(const double* HWY_RESTRICT w, double* HWY_RESTRICT to, int d, int blocks) {
+  for (int j = 0; j < blocks; ++j, w += S * d)
+    for (int p = 0; p < d; ++p, to += S * S)
+#pragma GCC unroll 4
+      for (int c = 0; c < S; ++c)
+#pragma GCC unroll 4
+        for (int r = 0; r < S; ++r) to[c * S + r] = w[c * d + p];
+}
+
+/// Blocks of S x S, which lie wherever they do, lose L (S x d) times their columns of the spread W.
+template <int S>
+void row_of_blocks(double* values, const std::int64_t* target, const double* l, const double* spread_w, int d, int blocks) {
+  using Block = Rows<S * S>;
+  constexpr int largest = 8;
+  double tile[S * S];
+  Block left[largest];
+  for (int begin = 0; begin < d; begin += largest, l += largest * S) {
+    const int some = std::min(largest, d - begin);
+    for (int p = 0; p < some; ++p) {
+#pragma GCC unroll 4
+      for (int c = 0; c < S; ++c)
+#pragma GCC unroll 4
+        for (int r = 0; r < S; ++r) tile[c * S + r] = l[p * S + r];
+      left[p] = Block::load(tile);
+    }
+    const double* w = spread_w + begin * S * S;
+    for (int j = 0; j < blocks; ++j, w += d * S * S) {
+      double* to = values + target[j];
+      Block sum = Block::load(to);
+      for (int p = 0; p < some; ++p) sum.subtract_each(left[p], Block::load(w + p * S * S));
+      sum.store(to);
+    }
+  }
+}
+
+/// The diagonal entry is taken when it is at least this part of the largest: definite blocks then need no exchanges,
+/// whose branches cost more than the arithmetic. Entries grow at most by 1 + 1 / this per stage.
+constexpr double diagonal_preferred = 0.1;
+
+/// to -= from s
+HWY_INLINE void subtract(double* HWY_RESTRICT to, const double* HWY_RESTRICT from, double s, int count) {
+  const auto some = [&]<int M>() {
+    Rows<M> sum = Rows<M>::load(to);
+    sum.subtract(Rows<M>::load(from), s);
+    sum.store(to);
+    to += M;
+    from += M;
+  };
+  for (; count >= 8; count -= 8) some.template operator()<8>();
+  if (count & 4) some.template operator()<4>();
+  if (count & 2) some.template operator()<2>();
+  if (count & 1) some.template operator()<1>();
+}
+
+double factor_with_exchanges(double* a, int* rows, int d) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (int p = 0; p < d; ++p) {
+    int best = p;
+    double largest = std::abs(a[p * d + p]);
+    for (int i = p + 1; i < d; ++i) {
+      const double candidate = std::abs(a[p * d + i]);
+      if (candidate > largest) {
+        largest = candidate;
+        best = i;
+      }
+    }
+    if (std::abs(a[p * d + p]) >= diagonal_preferred * largest) best = p;
+    rows[p] = best;
+    if (!(largest > 0) || !(largest < std::numeric_limits<double>::infinity()))
+      return largest > 0 ? std::numeric_limits<double>::quiet_NaN() : largest;
+    const double size = std::abs(a[p * d + best]);
+    smallest = size < smallest ? size : smallest;
+    if (best != p)
+      for (int j = 0; j < d; ++j) std::swap(a[j * d + p], a[j * d + best]);
+    const double reciprocal = 1.0 / a[p * d + p];
+    a[p * d + p] = reciprocal;
+    for (int i = p + 1; i < d; ++i) a[p * d + i] *= reciprocal;
+    for (int j = p + 1; j < d; ++j) subtract(a + j * d + p + 1, a + p * d + p + 1, a[j * d + p], d - p - 1);
+  }
+  return smallest;
+}
+
+/// First without exchanges, in registers; that is nearly always enough.
+template <int D>
+double factor(double* a, int* rows, int d) {
+  if constexpr (D == 0) {
+    return factor_with_exchanges(a, rows, d);
+  } else {
+    double t[D][D];
+    for (int j = 0; j < D; ++j)
+      for (int i = 0; i < D; ++i) t[j][i] = a[j * D + i];
+    double smallest = std::numeric_limits<double>::infinity();
+    bool sound = true;
+#pragma GCC unroll 6
+    for (int p = 0; p < D; ++p) {
+      const double size = std::abs(t[p][p]);
+      double largest = 0;
+#pragma GCC unroll 6
+      for (int i = p + 1; i < D; ++i) {
+        const double candidate = std::abs(t[p][i]);
+        largest = candidate > largest ? candidate : largest;
+      }
+      sound &= (size >= diagonal_preferred * largest) & (size > 0) & (size < std::numeric_limits<double>::infinity());
+      smallest = size < smallest ? size : smallest;
+      const double reciprocal = 1.0 / t[p][p];
+      t[p][p] = reciprocal;
+#pragma GCC unroll 6
+      for (int i = p + 1; i < D; ++i) t[p][i] *= reciprocal;
+#pragma GCC unroll 6
+      for (int j = p + 1; j < D; ++j)
+#pragma GCC unroll 6
+        for (int i = p + 1; i < D; ++i) t[j][i] -= t[p][i] * t[j][p];
+    }
+    if (!sound) return factor_with_exchanges(a, rows, D);
+    for (int j = 0; j < D; ++j)
+      for (int i = 0; i < D; ++i) a[j * D + i] = t[j][i];
+    for (int p = 0; p < D; ++p) rows[p] = p;
+    return smallest;
+  }
+}
+
+template <int D>
+bool factor_definite(double* a, const double* reference, double sign, double tiny, int d_) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  if constexpr (D > 0) {
+    double t[D][D], l[D][D];
+    for (int p = 0; p < D; ++p)
+      for (int i = p; i < D; ++i) t[p][i] = a[p * D + i];
+    bool sound = true;
+#pragma GCC unroll 6
+    for (int p = 0; p < D; ++p) {
+      const double size = sign * t[p][p];
+      sound &= (size > tiny * reference[p]) & (size < infinity);
+      t[p][p] = 1.0 / t[p][p];
+#pragma GCC unroll 6
+      for (int i = p + 1; i < D; ++i) l[p][i] = t[p][i] * t[p][p];
+#pragma GCC unroll 6
+      for (int j = p + 1; j < D; ++j)
+#pragma GCC unroll 6
+        for (int i = j; i < D; ++i) t[j][i] -= t[p][i] * l[p][j];
+    }
+    if (!sound) return false;
+#pragma GCC unroll 6
+    for (int p = 0; p < D; ++p) {
+      a[p * D + p] = t[p][p];
+#pragma GCC unroll 6
+      for (int i = p + 1; i < D; ++i) {
+        a[p * D + i] = l[p][i];
+        a[i * D + p] = t[p][i];
+      }
+    }
+    return true;
+  } else {
+    const int d = d_;
+    for (int p = 0; p < d; ++p) {
+      double* column = a + p * d;
+      const double size = sign * column[p];
+      if (!(size > tiny * reference[p]) || !(size < infinity)) return false;
+      column[p] = 1.0 / column[p];
+      for (int i = p + 1; i < d; ++i) {
+        a[i * d + p] = column[i];
+        column[i] *= column[p];
+      }
+      for (int j = p + 1; j < d; ++j) subtract(a + j * d + j, column + j, a[j * d + p], d - j);
+    }
+    return true;
+  }
+}
+
+/// As many columns of X := (LU)^-1 X as the tag has lanes, of which `count` are there: the chain of dependent
+/// operations is walked once for all of them.
+template <int D, class Tag>
+HWY_INLINE void solve_columns(Tag tag, const double* a, double* x, int d_, std::ptrdiff_t stride, int count) {
+  using V = hn::VFromD<Tag>;
+  const int d = D ? D : d_;
+  V t[D ? D : largest_together];
+  load_columns<D>(tag, x, d, stride, count, t);
+#pragma GCC unroll 12
+  for (int p = 0; p < d; ++p)
+#pragma GCC unroll 12
+    for (int i = p + 1; i < d; ++i) t[i] = hn::NegMulAdd(hn::Set(tag, a[p * d + i]), t[p], t[i]);
+#pragma GCC unroll 12
+  for (int p = d - 1; p >= 0; --p) {
+    t[p] = hn::Mul(t[p], hn::Set(tag, a[p * d + p]));
+#pragma GCC unroll 12
+    for (int i = 0; i < p; ++i) t[i] = hn::NegMulAdd(hn::Set(tag, a[p * d + i]), t[p], t[i]);
+  }
+  store_columns<D>(tag, x, d, stride, count, t);
+}
+
+template <int D>
+void solve(const double* a, const int* rows, double* x, int d_, int n, std::ptrdiff_t stride) {
+  const int d = D ? D : d_;
+  int exchanged = 0;
+  for (int p = 0; p < d; ++p) exchanged |= rows[p] ^ p;
+  if (HWY_UNLIKELY(exchanged != 0))
+    for (int c = 0; c < n; ++c)
+      for (int p = 0; p < d; ++p) std::swap(x[c * stride + p], x[c * stride + rows[p]]);
+  if (D == 0 && d > largest_together) {
+    for (int c = 0; c < n; ++c, x += stride) {
+      for (int p = 0; p < d; ++p) subtract(x + p + 1, a + p * d + p + 1, x[p], d - p - 1);
+      for (int p = d - 1; p >= 0; --p) {
+        x[p] *= a[p * d + p];
+        subtract(x, a + p * d, x[p], p);
+      }
+    }
+    return;
+  }
+  constexpr int together = static_cast<int>(hn::MaxLanes(Together()));
+  for (; n >= together; n -= together, x += together * stride)
+    solve_columns<D>(Together(), a, x, d, stride, together);
+  if (n == 1) solve_columns<D>(Single(), a, x, d, stride, 1);
+  else if (together == 1) return;
+  else if (n == 2) solve_columns<D>(Pair(), a, x, d, stride, 2);
+  else if (n > 2) solve_columns<D>(Together(), a, x, d, stride, n);
+}
+
+template <int... I>
+constexpr void fill(Table& t, std::integer_sequence<int, I...>) {
+  t.products = {&product<I>...};
+  t.lower_products = {&lower_product<I>...};
+}
+template <int... I>
+constexpr void fill_rows_of_blocks(Table& t, std::integer_sequence<int, I...>) {
+  t.spreads = {&spread<I + 1>...};
+  t.rows_of_blocks = {&row_of_blocks<I + 1>...};
+}
+template <int... I>
+constexpr void fill_by_dimension(Table& t, std::integer_sequence<int, I...>) {
+  t.factors = {&factor<I>...};
+  t.definite_factors = {&factor_definite<I>...};
+  t.solves = {&solve<I>...};
+  t.also_solve = &solve<also_fixed>;
+}
+
+constexpr Table make_table() {
+  Table t{};
+  fill(t, std::make_integer_sequence<int, max_rows + 1>{});
+  fill_rows_of_blocks(t, std::make_integer_sequence<int, max_spread>{});
+  fill_by_dimension(t, std::make_integer_sequence<int, max_fixed + 1>{});
+  return t;
+}
+constexpr Table here = make_table();
+
+}  // namespace
+
+const Table* TableOfTarget() { return &here; }
+
+}  // namespace graphsolve::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+#include "graphsolve/simd/lanes.hpp"
+
+namespace graphsolve::kernels {
+
+HWY_EXPORT(TableOfTarget);
+
+const Table& table() {
+  (void)simd::instruction_set();  // chosen before the first kernel runs
+  return *HWY_DYNAMIC_DISPATCH(TableOfTarget)();
+}
+
+}  // namespace graphsolve::kernels
+#endif
