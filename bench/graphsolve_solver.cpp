@@ -30,10 +30,14 @@ std::vector<std::int64_t> places(const Eigen::SparseMatrix<double>& a, const Blo
   return place;
 }
 
-std::shared_ptr<const Symbolic> symbolic_for_packs(const BlockGraph& graph) {
+std::shared_ptr<const Symbolic> symbolic_for_packs(const BlockGraph& graph, FactorizationKind kind) {
+  const auto cost = [&](const Symbolic& symbolic) {
+    const Symbolic::Counts& counts = symbolic.counts();
+    return kind == FactorizationKind::ldu ? counts.pack_operations : counts.symmetric_pack_operations;
+  };
   auto narrow = std::make_shared<const Symbolic>(graph, minimum_fill_ordering(graph));
   auto wide = std::make_shared<const Symbolic>(graph, wide_ordering(graph));
-  return wide->counts().pack_operations < narrow->counts().pack_operations ? wide : narrow;
+  return cost(*wide) < cost(*narrow) ? wide : narrow;
 }
 
 }  // namespace
@@ -44,7 +48,7 @@ baselines::Status GraphsolveSolver::analyze(const Eigen::SparseMatrix<double>& a
   simd::use_instruction_set(way_.set.value_or(simd::instruction_sets().back()));
   std::shared_ptr<const Symbolic> symbolic;
   if (way_.path == Path::packs) {
-    symbolic = symbolic_for_packs(graph_);
+    symbolic = symbolic_for_packs(graph_, way_.kind);
   } else {
     const Ordering ordering = minimum_fill_ordering(graph_);
     if (way_.nodes == Nodes::merged) {

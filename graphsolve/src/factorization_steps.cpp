@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "graphsolve/factorization.hpp"
 #include "operations.hpp"
@@ -51,46 +52,67 @@ unsigned Factorization::active_lanes(std::span<const int> pivots, unsigned used)
   return found & used;
 }
 
+void Factorization::alone_if_active(int k, std::span<Outcome> outcomes) {
+  const int c = symbolic_->component(symbolic_->node(k));
+  if (!active_[c]) return;
+  eliminate_alone(k, outcomes[c]);
+  if (!outcomes[c].ok()) active_[c] = all_active_ = false;
+}
+
 /// Outcomes by component, or what packs do all in the first. A component that has failed takes no further part.
 void Factorization::factorize_steps(std::span<Outcome> outcomes, Count count) {
   const Symbolic& s = *symbolic_;
   const simd::Program& program = s.program();
   any_packed_ = true;
   if (keep_matrix_) count = Count::each;
-  const simd::PackedFactor::Data data{
+  const simd::PackData data{
       .values = values_.data(),
       .reference = reference_.data(),
       .first_row = first_row_.data(),
       .saddle_shift = saddle_shift_,
       .watch = kind_ == FactorizationKind::cholesky ? simd::Watch::no : simd::Watch::yes};
-  const auto alone = [&](int k) {
-    const int c = s.component(s.node(k));
-    if (!active_[c]) return;
-    eliminate_alone(k, outcomes[c]);
-    if (!outcomes[c].ok()) active_[c] = all_active_ = false;
-  };
   for (const auto& step : program.steps()) {
     if (step.pack < 0) {
-      alone(step.pivot);
+      alone_if_active(step.pivot, outcomes);
       continue;
     }
     const simd::PivotPack& pack = program.pack(step.pack);
     const unsigned active = active_lanes(pack.pivot, pack.used);
     if (active == 0) continue;
-    const simd::Shape& shape = program.shape(pack);
-    const unsigned before = packed_->present(step.pack);
-    const unsigned other = packed_->eliminate(step.pack, data, definite(shape.saddle, shape.may_depend), active);
-    count_pack(pack, active & ~other, outcomes, count);
-    if ((active & (other | ~before)) == 0) continue;  // as usual: nothing changes its place
-    for (int l = 0; l < simd::lanes; ++l) {
+    eliminate_together(step.pack, active, outcomes, count, data);
+  }
+}
+
+/// The lanes of a pack, or, where some have to go alone, runs of lanes between them: what several add to one block is
+/// added in the order of the pivots, in any company.
+void Factorization::eliminate_together(int number, unsigned active, std::span<Outcome> outcomes, Count count,
+                                       const simd::PackData& data) {
+  const Symbolic& s = *symbolic_;
+  const simd::PivotPack& pack = s.program().pack(number);
+  const simd::Shape& shape = s.program().shape(pack);
+  const auto promise = definite(shape.saddle, shape.may_depend);
+  const auto together = [&](unsigned lanes) {
+    const unsigned before = packed_->present(number);
+    const unsigned other = packed_->eliminate(number, data, promise, lanes);
+    if (other != 0) return other;
+    count_pack(pack, lanes, outcomes, count);
+    for (unsigned rest = lanes & ~before, l = 0; rest != 0; rest >>= 1, ++l) {  // usually none: nothing changes its place
+      if (!(rest & 1u)) continue;
       const int k = pack.pivot[l];
-      if (other >> l & 1u) {
-        alone(k);
-      } else if (active >> l & 1u) {
-        rank_[k] = s.dimension(k);
-        for (int i = 0; i < s.dimension(k); ++i) row_exchange_[first_row_[k] + i] = i;
-      }
+      rank_[k] = s.dimension(k);
+      for (int i = 0; i < s.dimension(k); ++i) row_exchange_[first_row_[k] + i] = i;
     }
+    return 0u;
+  };
+  const unsigned other = packed_->takes(shape) ? together(active) : active;
+  if (other == 0) return;
+  unsigned run = 0;
+  for (int l = 0; l <= simd::lanes; ++l) {
+    const bool ends = l == simd::lanes || (other >> l & 1u);
+    if (ends && run != 0) together(std::exchange(run, 0));
+    if (l == simd::lanes) break;
+    if (ends) alone_if_active(pack.pivot[l], outcomes);
+    else run |= active & 1u << l;
   }
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -111,6 +112,32 @@ TEST_P(InstructionSets, FindDependentRowsInPacksAsOneByOne) {
         if (!packed.outcome.ok() || packed.outcome.boosts > 0) continue;
         const Eigen::VectorXd rest = problem.matrix * packed.x - problem.right;
         EXPECT_LE(rest.norm(), 1e-7 * problem.right.norm()) << problem.name;
+      }
+    }
+}
+
+/// Also where some rows depend, so that some lanes of a pack go alone, and several pivots of one level add to one block.
+TEST_P(InstructionSets, AComponentIsTheSameInBitsInAnyCompany) {
+  constexpr int copies = 5, mine = 2;
+  for (const auto difficulty : {families::Difficulty::plain, families::Difficulty::redundant})
+    for (const Problem& one : problems(families::Values::symmetric, difficulty)) {
+      const Problem problem = families::repeated(one, copies);
+      const auto symbolic = std::make_shared<const Symbolic>(problem.graph, minimum_fill_ordering(problem.graph));
+      if (symbolic->components() != copies) continue;
+      for (const auto kind : {FactorizationKind::ldu, FactorizationKind::ldlt}) {
+        const auto solved = [&](std::vector<int> components) {
+          Factorization f(symbolic, kind);
+          families::load(problem.matrix, problem.graph, *symbolic, f.values());
+          std::vector<Factorization::Outcome> outcomes(copies);
+          f.factorize(components, outcomes);
+          Eigen::VectorXd x = problem.right;
+          f.solve_components(view(x), components);
+          return Eigen::VectorXd(x.segment(mine * one.graph.rows(), one.graph.rows()));
+        };
+        const Eigen::VectorXd alone = solved({mine});
+        EXPECT_TRUE(std::ranges::equal(alone, solved({0, 1, 2, 3, 4}), [](double a, double b) {
+          return a == b || (std::isnan(a) && std::isnan(b));
+        })) << problem.name;
       }
     }
 }

@@ -18,6 +18,7 @@ namespace simd {
 class PackedFactor;
 struct PivotPack;
 struct Definite;
+struct PackData;
 }  // namespace simd
 
 /// Whether equal pivots are eliminated eight at a time (SIMD, without exchanges of rows where that is sound) or all of
@@ -160,6 +161,8 @@ class Factorization {
   enum class Count { each, together };  ///< by component, or all in the first outcome
   void factorize_steps(std::span<Outcome> outcomes, Count count);
   void eliminate_alone(int k, Outcome& outcome);
+  void alone_if_active(int k, std::span<Outcome> outcomes);
+  void eliminate_together(int number, unsigned active, std::span<Outcome> outcomes, Count count, const simd::PackData& data);
   void count_pack(const simd::PivotPack& pack, unsigned active, std::span<Outcome> outcomes, Count count);
   void set_active(std::span<const int> components) const;
   void set_all_active() const;

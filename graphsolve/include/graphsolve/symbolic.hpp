@@ -37,6 +37,7 @@ class Symbolic {
     std::int64_t operations = 0;        ///< multiplications and divisions of one LDU factorization
     std::int64_t symmetric_operations = 0;  ///< same of one LDL^T or Cholesky factorization of definite blocks
     std::int64_t pack_operations = 0;   ///< of one LDU factorization, eight equal pivots of one level counted as one
+    std::int64_t symmetric_pack_operations = 0;  ///< same of one LDL^T or Cholesky factorization
     std::int64_t solve_operations = 0;  ///< same of one solve
     std::int64_t memory = 0;            ///< bytes: this object and one Factorization of kind ldu
     int tree_height = 0;                ///< longest path of the elimination tree, in nodes

@@ -10,114 +10,11 @@
 // Compiles the rest of this file once per instruction set.
 #include <hwy/foreach_target.h>
 
-#include "simd/rows-inl.hpp"
+#include "simd/products-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace graphsolve::kernels::HWY_NAMESPACE {
 namespace {
-
-/// J columns of C (M rows) -= A B, kept in registers meanwhile.
-template <int M, int J>
-HWY_INLINE void product_columns(double* HWY_RESTRICT c, std::ptrdiff_t ldc, const double* HWY_RESTRICT a,
-                                std::ptrdiff_t lda, const double* HWY_RESTRICT b, std::ptrdiff_t ldb, int k) {
-  Rows<M> sum[J];
-#pragma GCC unroll 8
-  for (int j = 0; j < J; ++j) sum[j] = Rows<M>::load(c + j * ldc);
-  for (int p = 0; p < k; ++p) {
-    const Rows<M> column = Rows<M>::load(a + p * lda);
-#pragma GCC unroll 8
-    for (int j = 0; j < J; ++j) sum[j].subtract(column, b[j * ldb + p]);
-  }
-#pragma GCC unroll 8
-  for (int j = 0; j < J; ++j) sum[j].store(c + j * ldc);
-}
-
-template <int M, int J>
-HWY_INLINE void product_rest(double* c, std::ptrdiff_t ldc, const double* a, std::ptrdiff_t lda, const double* b,
-                             std::ptrdiff_t ldb, int k, int n) {
-  if constexpr (J > 0) {
-    if (n == J) product_columns<M, J>(c, ldc, a, lda, b, ldb, k);
-    else product_rest<M, J - 1>(c, ldc, a, lda, b, ldb, k, n);
-  }
-}
-
-template <int M>
-void product_rows(double* c, std::ptrdiff_t ldc, const double* a, std::ptrdiff_t lda, const double* b,
-                  std::ptrdiff_t ldb, int k, int n) {
-  constexpr int J = std::max(1, std::min(6, 12 / Rows<M>::registers));
-  for (; n >= J; n -= J, c += J * ldc, b += J * ldb) product_columns<M, J>(c, ldc, a, lda, b, ldb, k);
-  product_rest<M, J - 1>(c, ldc, a, lda, b, ldb, k, n);
-}
-
-/// Eight rows at a time.
-void product_any(double* c, std::ptrdiff_t ldc, const double* a, std::ptrdiff_t lda, const double* b,
-                 std::ptrdiff_t ldb, int m, int k, int n) {
-  for (; m >= 8; m -= 8, c += 8, a += 8) product_rows<8>(c, ldc, a, lda, b, ldb, k, n);
-  switch (m) {
-    case 1: return product_rows<1>(c, ldc, a, lda, b, ldb, k, n);
-    case 2: return product_rows<2>(c, ldc, a, lda, b, ldb, k, n);
-    case 3: return product_rows<3>(c, ldc, a, lda, b, ldb, k, n);
-    case 4: return product_rows<4>(c, ldc, a, lda, b, ldb, k, n);
-    case 5: return product_rows<5>(c, ldc, a, lda, b, ldb, k, n);
-    case 6: return product_rows<6>(c, ldc, a, lda, b, ldb, k, n);
-    case 7: return product_rows<7>(c, ldc, a, lda, b, ldb, k, n);
-    default: return;
-  }
-}
-
-template <int M>
-void product(double* c, std::ptrdiff_t ldc, const double* a, const double* b, std::ptrdiff_t ldb, int m, int k, int n) {
-  if constexpr (M > 0) product_rows<M>(c, ldc, a, M, b, ldb, k, n);
-  else product_any(c, ldc, a, m, b, ldb, m, k, n);
-}
-
-template <int M>
-void lower_product(double* c, const double* a, const double* b, int m, int k) {
-  if constexpr (M > 0) {
-    product_rows<M>(c, M, a, M, b, k, k, M);
-  } else {
-    for (int j = 0; j < m; j += 8)
-      product_any(c + j * (m + 1), m, a + j, m, b + j * k, k, m - j, k, std::min(8, m - j));
-  }
-}
-
-/// Every number of W as often as a block has rows: for column block j and row p of W the S x S numbers that row p of W
-/// multiplies column p of an L by.
-template <int S>
-void spread(const double* HWY_RESTRICT w, double* HWY_RESTRICT to, int d, int blocks) {
-  for (int j = 0; j < blocks; ++j, w += S * d)
-    for (int p = 0; p < d; ++p, to += S * S)
-#pragma GCC unroll 4
-      for (int c = 0; c < S; ++c)
-#pragma GCC unroll 4
-        for (int r = 0; r < S; ++r) to[c * S + r] = w[c * d + p];
-}
-
-/// Blocks of S x S, which lie wherever they do, lose L (S x d) times their columns of the spread W.
-template <int S>
-void row_of_blocks(double* values, const std::int64_t* target, const double* l, const double* spread_w, int d, int blocks) {
-  using Block = Rows<S * S>;
-  constexpr int largest = 8;
-  double tile[S * S];
-  Block left[largest];
-  for (int begin = 0; begin < d; begin += largest, l += largest * S) {
-    const int some = std::min(largest, d - begin);
-    for (int p = 0; p < some; ++p) {
-#pragma GCC unroll 4
-      for (int c = 0; c < S; ++c)
-#pragma GCC unroll 4
-        for (int r = 0; r < S; ++r) tile[c * S + r] = l[p * S + r];
-      left[p] = Block::load(tile);
-    }
-    const double* w = spread_w + begin * S * S;
-    for (int j = 0; j < blocks; ++j, w += d * S * S) {
-      double* to = values + target[j];
-      Block sum = Block::load(to);
-      for (int p = 0; p < some; ++p) sum.subtract_each(left[p], Block::load(w + p * S * S));
-      sum.store(to);
-    }
-  }
-}
 
 /// The diagonal entry is taken when it is at least this part of the largest: definite blocks then need no exchanges,
 /// whose branches cost more than the arithmetic. Entries grow at most by 1 + 1 / this per stage.

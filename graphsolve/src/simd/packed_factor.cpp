@@ -18,7 +18,7 @@ PackedFactor::PackedFactor(const Symbolic& symbolic, Form form)
   }
 }
 
-unsigned PackedFactor::eliminate(int i, const Data& data, const Definite& definite, unsigned active) {
+unsigned PackedFactor::eliminate(int i, const PackData& data, const Definite& definite, unsigned active) {
   const PivotPack& pack = program_.pack(i);
   const PackJob job{.symbolic = symbolic_,
                     .shape = program_.shape(pack),
@@ -32,7 +32,7 @@ unsigned PackedFactor::eliminate(int i, const Data& data, const Definite& defini
                     .active = active};
   const unsigned alone =
       form_ == Form::symmetric ? simd::eliminate_symmetric(job, definite, data.watch) : simd::eliminate(job);
-  present_[i] = static_cast<std::uint8_t>((present_[i] & ~active) | (active & ~alone));
+  if (alone == 0) present_[i] = static_cast<std::uint8_t>(present_[i] | active);
   return alone;
 }
 

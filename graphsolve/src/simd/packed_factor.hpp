@@ -9,6 +9,14 @@
 
 namespace graphsolve::simd {
 
+/// Numbers that eliminations read and write, and how.
+struct PackData {
+  double *values, *reference;  ///< as in PackJob
+  const int* first_row;
+  double saddle_shift;
+  Watch watch;                 ///< symmetric form; the other has nothing to watch
+};
+
 /// The factors of all packs of a program, and which of their pivots had to be done alone instead.
 class PackedFactor {
  public:
@@ -25,15 +33,11 @@ class PackedFactor {
       present_[place / lanes] &= static_cast<std::uint8_t>(~(1u << place % lanes));
   }
 
-  /// Numbers that eliminations read and write, and how.
-  struct Data {
-    double *values, *reference;  ///< as in PackJob
-    const int* first_row;
-    double saddle_shift;
-    Watch watch;                 ///< symmetric form; the other watches always
-  };
-  /// Eliminates pack i for the lanes in `active`; the lanes returned need exchanges of rows and were left alone.
-  unsigned eliminate(int i, const Data& data, const Definite& definite, unsigned active);
+  /// Can pivots of this shape be eliminated in packs? Rows that may depend are looked after in the symmetric form only.
+  [[nodiscard]] bool takes(const Shape& shape) const { return form_ == Form::symmetric || !shape.uncertain; }
+  /// Eliminates pack i for the lanes in `active`. If some of these need exchanges of rows, they are returned, and
+  /// nothing was done.
+  unsigned eliminate(int i, const PackData& data, const Definite& definite, unsigned active);
   /// Lanes of the pack whose factor is here.
   [[nodiscard]] unsigned present(int i) const { return present_[i]; }
   void solve_forward(int i, double* x, unsigned active) const { simd::solve_forward(solve_job(i, x, active)); }

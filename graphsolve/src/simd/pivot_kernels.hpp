@@ -39,10 +39,10 @@ struct PackSolve {
 inline constexpr double dependent = 1e-11;
 
 /// D = L U without exchanges and W = D^-1 U; then the blocks between the couplings lose L W. Returns the lanes whose
-/// block needs exchanges, or whose rows depend: nothing was written for them, and they have to be done one by one.
+/// block needs exchanges: if there are any, nothing was written. Not for shapes with rows that may depend.
 unsigned eliminate(const PackJob& job);
 /// The same for a symmetric matrix of which the lower triangle is given, D = L D L^T; of blocks on the diagonal only
-/// that triangle is updated. Returns the lanes whose block is not definite. `watch`: remember what is added to
+/// that triangle is updated. Returns the lanes whose block is not definite: if there are any, nothing was written. `watch`: remember what is added to
 /// diagonals of blocks that may depend.
 enum class Watch { no, yes };
 unsigned eliminate_symmetric(const PackJob& job, const Definite& definite, Watch watch);

@@ -58,10 +58,11 @@ Program::Program(const Symbolic& s) {
 
 void Program::add_shape(const Symbolic& s, int k) {
   const Symbolic::Pivot& p = s.pivot(k);
-  Shape shape{p.dimension, p.coupled_rows, p.saddle, p.may_depend, {}, {}};
+  Shape shape{p.dimension, p.coupled_rows, p.saddle, p.may_depend, {}, {}, p.may_depend};
   for (const int later : s.coupled(k)) {
     shape.coupled.push_back(s.dimension(later));
     shape.coupled_may.push_back(s.may_depend(later) ? 1 : 0);
+    shape.uncertain |= s.may_depend(later);
   }
   const int largest = shape.coupled.empty() ? 1 : *std::max_element(shape.coupled.begin(), shape.coupled.end());
   scratch_size_ = std::max(scratch_size_, lanes * (largest * largest + p.dimension * p.coupled_rows));

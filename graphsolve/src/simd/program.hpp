@@ -26,6 +26,7 @@ struct Shape {
   bool may_depend;
   std::vector<int> coupled;       ///< dimensions of the coupled blocks
   std::vector<char> coupled_may;  ///< may their rows depend?
+  bool uncertain;                 ///< may any rows, its own or those of coupled blocks?
   [[nodiscard]] int couplings() const { return static_cast<int>(coupled.size()); }
   /// Packs of the factor: D as LU, L, and D^-1 U, which the symmetric kinds do without.
   [[nodiscard]] std::int64_t size() const {
