@@ -28,13 +28,21 @@ void Factorization::start_reference(int k) {
 
 /// Largest entry of each row right of the diagonal block.
 void Factorization::start_panel_reference(int k) {
-  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  const Symbolic& s = *symbolic_;
+  const Symbolic::Pivot& p = s.pivot(k);
+  const int d = p.dimension;
   double* reference = panel_reference_.data() + first_row_[k];
-  if (symmetric()) transpose_panel(k, values_.data());  // the upper panel need not have been filled
+  std::fill_n(reference, d, 0.0);
+  if (symmetric()) {  // the blocks right of it need not have been filled
+    const double* column = values_.data() + p.lower;
+    for (const int later : s.coupled(k))
+      for (int i = 0; i < d; ++i)
+        for (int q = 0; q < s.dimension(later); ++q) reference[i] = std::max(reference[i], std::abs(*column++));
+    return;
+  }
   const double* column = values_.data() + p.upper;
-  std::fill_n(reference, p.dimension, 0.0);
-  for (int c = 0; c < p.coupled_rows; ++c, column += p.dimension)
-    for (int i = 0; i < p.dimension; ++i) reference[i] = std::max(reference[i], std::abs(column[i]));
+  for (int c = 0; c < p.coupled_rows; ++c, column += d)
+    for (int i = 0; i < d; ++i) reference[i] = std::max(reference[i], std::abs(column[i]));
 }
 
 void Factorization::prepare_range(int begin, int end) {

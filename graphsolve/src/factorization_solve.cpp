@@ -84,6 +84,10 @@ void Factorization::solve_forward(int k, double* x, int columns) const {
   double* xk = x + p.row;
   solve_diagonal(k, xk, columns, stride);
   const double* lower = values_.data() + p.lower;
+  if (columns == 1 && equal_[k] > 0) {
+    kernels_->forwards[equal_[k] - 1](x, &s.pivot(0), s.coupled(k), lower, xk, p.dimension);
+    return;
+  }
   for (int e = p.begin; e < p.end; ++e) {
     const Symbolic::Pivot& pi = s.pivot(s.coupled_[e]);
     kernels_->product(pi.dimension)(x + pi.row, stride, lower, xk, stride, pi.dimension, p.dimension, columns);
@@ -97,6 +101,10 @@ void Factorization::solve_backward(int k, double* x, int columns) const {
   const Symbolic::Pivot& p = s.pivot(k);
   const std::ptrdiff_t stride = s.rows();
   const double* upper = values_.data() + p.upper;
+  if (columns == 1 && equal_[k] > 0) {
+    kernels_->backwards[equal_[k] - 1](x + p.row, &s.pivot(0), s.coupled(k), upper, x, p.dimension);
+    return;
+  }
   for (int e = p.begin; e < p.end; ++e) {
     const Symbolic::Pivot& pj = s.pivot(s.coupled_[e]);
     kernels_->product(p.dimension)(x + p.row, stride, upper, x + pj.row, stride, p.dimension, pj.dimension,

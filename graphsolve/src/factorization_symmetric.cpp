@@ -22,6 +22,15 @@ constexpr double tiny = 1e-13;       ///< any other pivot below this part of its
 constexpr double boosted = 1e-7;     ///< part of its row's size that such a pivot gets
 constexpr double not_positive = 4 * std::numeric_limits<double>::epsilon();
 
+/// Of R x C, without loops.
+template <int R, int C>
+void transpose(const double* from, double* to) {
+#pragma GCC unroll 6
+  for (int i = 0; i < R; ++i)
+#pragma GCC unroll 6
+    for (int q = 0; q < C; ++q) to[i * C + q] = from[q * R + i];
+}
+
 }  // namespace
 
 /// U := P^T; in a factorization the solve turns it into W.
@@ -33,9 +42,15 @@ void Factorization::transpose_panel(int k, double* values) const {
   double* upper = values + p.upper;
   for (int e = p.begin; e < p.end; ++e) {
     const int di = s.pivot(s.coupled_[e]).dimension;
-    for (int i = 0; i < di; ++i, upper += d)
-      for (int q = 0; q < d; ++q) upper[q] = lower[q * di + i];
+    if (d == 3 && di == 3) transpose<3, 3>(lower, upper);
+    else if (d == 6 && di == 3) transpose<3, 6>(lower, upper);
+    else if (d == 3 && di == 6) transpose<6, 3>(lower, upper);
+    else if (d == 6 && di == 6) transpose<6, 6>(lower, upper);
+    else
+      for (int i = 0; i < di; ++i)
+        for (int q = 0; q < d; ++q) upper[i * d + q] = lower[q * di + i];
     lower += d * di;
+    upper += d * di;
   }
 }
 

@@ -47,7 +47,7 @@ void Factorization::update(int k, int from, Outcome& outcome) {
   double* v = values_.data();
   const double* lower = v + p.lower + s.block_offset_[p.begin + from];
   const double* upper = v + p.upper + s.block_offset_[p.begin + from];
-  const int size = m - from >= fewest_equal ? equal_[k] : 0;
+  const int size = in_rows(m - from, equal_[k]) ? equal_[k] : 0;
   if (size > 0) kernels_->spreads[size - 1](upper, spread_.data(), d, m - from);
   std::int64_t scalars = 0;
   for (int i = from; i < m; ++i) {

@@ -3,7 +3,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
+
+#include "graphsolve/symbolic.hpp"
 
 /// Dense kernels on column-major blocks without padding, compiled for several instruction sets
 /// (simd/block_kernels.cpp). What becomes of a column in bits does not depend on how many columns there are.
@@ -30,10 +33,18 @@ using FactorDefinite = bool (*)(double* a, const double* reference, double sign,
 /// X (d x n) := A^-1 X with the result of Factor or FactorDefinite; columns of X lie `stride` apart.
 using Solve = void (*)(const double* a, const int* rows, double* x, int d, int n, std::ptrdiff_t stride);
 
+/// Of a solve: S rows each of x at coupled[j].row lose block j of L (S x d, one block after the other) times y (d).
+using Forward = void (*)(double* x, const Symbolic::Pivot* pivots, std::span<const int> coupled, const double* lower,
+                         const double* y, int d);
+/// y (d) loses W (d x S blocks) times the S rows of x at coupled[j].row.
+using Backward = void (*)(double* y, const Symbolic::Pivot* pivots, std::span<const int> coupled, const double* upper,
+                          const double* x, int d);
+
 inline constexpr int max_rows = 8;   ///< products have code of their own for up to so many rows
 inline constexpr int max_fixed = 6;  ///< the others for blocks of up to so many, and
 inline constexpr int also_fixed = 12;
 inline constexpr int max_spread = 4;  ///< S of rows of blocks
+inline constexpr int max_equal = 6;   ///< S of solves
 
 /// By size; place 0 is for any other.
 struct Table {
@@ -41,6 +52,8 @@ struct Table {
   std::array<LowerProduct, max_rows + 1> lower_products;
   std::array<Spread, max_spread> spreads;  ///< place S - 1
   std::array<RowOfBlocks, max_spread> rows_of_blocks;
+  std::array<Forward, max_equal> forwards;
+  std::array<Backward, max_equal> backwards;
   std::array<Factor, max_fixed + 1> factors;
   std::array<FactorDefinite, max_fixed + 1> definite_factors;
   std::array<Solve, max_fixed + 1> solves;

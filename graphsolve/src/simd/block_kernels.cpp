@@ -209,6 +209,11 @@ constexpr void fill_rows_of_blocks(Table& t, std::integer_sequence<int, I...>) {
   t.rows_of_blocks = {&row_of_blocks<I + 1>...};
 }
 template <int... I>
+constexpr void fill_solves(Table& t, std::integer_sequence<int, I...>) {
+  t.forwards = {&forward<I + 1>...};
+  t.backwards = {&backward<I + 1>...};
+}
+template <int... I>
 constexpr void fill_by_dimension(Table& t, std::integer_sequence<int, I...>) {
   t.factors = {&factor<I>...};
   t.definite_factors = {&factor_definite<I>...};
@@ -220,6 +225,7 @@ constexpr Table make_table() {
   Table t{};
   fill(t, std::make_integer_sequence<int, max_rows + 1>{});
   fill_rows_of_blocks(t, std::make_integer_sequence<int, max_spread>{});
+  fill_solves(t, std::make_integer_sequence<int, max_equal>{});
   fill_by_dimension(t, std::make_integer_sequence<int, max_fixed + 1>{});
   return t;
 }

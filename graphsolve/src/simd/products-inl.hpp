@@ -8,7 +8,9 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 
+#include "graphsolve/symbolic.hpp"
 #include "simd/rows-inl.hpp"
 
 /// Products of single blocks, as kernels.hpp describes them.
@@ -115,6 +117,61 @@ void row_of_blocks(double* values, const std::int64_t* target, const double* l, 
       for (int p = 0; p < some; ++p) sum.subtract_each(left[p], Block::load(w + p * S * S));
       sum.store(to);
     }
+  }
+}
+
+template <int S, int D>
+HWY_INLINE void forward_rows(double* x, const Symbolic::Pivot* pivots, std::span<const int> coupled,
+                             const double* HWY_RESTRICT lower, const double* y, int d_) {
+  const int d = D ? D : d_;
+  double known[D ? D : 1];
+  if (D > 0)
+    for (int p = 0; p < d; ++p) known[p] = y[p];
+  for (const int later : coupled) {
+    double* rows = x + pivots[later].row;
+    Rows<S> sum = Rows<S>::load(rows);
+#pragma GCC unroll 6
+    for (int p = 0; p < d; ++p) sum.subtract(Rows<S>::load(lower + p * S), D ? known[p] : y[p]);
+    sum.store(rows);
+    lower += S * d;
+  }
+}
+template <int S>
+void forward(double* x, const Symbolic::Pivot* pivots, std::span<const int> coupled, const double* lower, const double* y,
+             int d) {
+  switch (d) {
+    case 3: return forward_rows<S, 3>(x, pivots, coupled, lower, y, d);
+    case 6: return forward_rows<S, 6>(x, pivots, coupled, lower, y, d);
+    default: return forward_rows<S, 0>(x, pivots, coupled, lower, y, d);
+  }
+}
+
+template <int S, int D>
+HWY_INLINE void backward_rows(double* y, const Symbolic::Pivot* pivots, std::span<const int> coupled,
+                              const double* HWY_RESTRICT upper, const double* x) {
+  Rows<D> sum = Rows<D>::load(y);
+  for (const int later : coupled) {
+    const double* rows = x + pivots[later].row;
+#pragma GCC unroll 6
+    for (int c = 0; c < S; ++c) sum.subtract(Rows<D>::load(upper + c * D), rows[c]);
+    upper += S * D;
+  }
+  sum.store(y);
+}
+template <int S>
+void backward(double* y, const Symbolic::Pivot* pivots, std::span<const int> coupled, const double* upper, const double* x,
+              int d) {
+  switch (d) {
+    case 1: return backward_rows<S, 1>(y, pivots, coupled, upper, x);
+    case 2: return backward_rows<S, 2>(y, pivots, coupled, upper, x);
+    case 3: return backward_rows<S, 3>(y, pivots, coupled, upper, x);
+    case 4: return backward_rows<S, 4>(y, pivots, coupled, upper, x);
+    case 6: return backward_rows<S, 6>(y, pivots, coupled, upper, x);
+    default: break;
+  }
+  for (const int later : coupled) {
+    product_any(y, d, upper, d, x + pivots[later].row, S, d, S, 1);
+    upper += S * d;
   }
 }
 
