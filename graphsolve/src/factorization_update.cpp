@@ -67,7 +67,7 @@ void Factorization::update(int k, int from, Outcome& outcome) {
       double* reference = reference_.data() + first_row_[coupled[i]];
       for (int q = 0; q < di; ++q) {
         const double added = own[q * (di + 1)] - work_[q];
-        if (std::abs(added) > std::abs(reference[q])) reference[q] = added;
+        reference[q] = std::abs(added) > std::abs(reference[q]) ? added : reference[q];  // no branch: unpredictable
       }
     }
     lower += di * d;
