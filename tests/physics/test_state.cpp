@@ -111,6 +111,26 @@ TEST(State, AMotorThatHasMadeFullTurnsIsContinuedInTheTurnWhereItIs) {
   }
 }
 
+TEST(State, ARestartFromARecordWithoutContactsForgetsTheFrictionBasesToo) {
+  const Mechanism scene = built_in_scene("sliding_box:heading=30");
+  Simulator fresh(scene), used(scene);
+  StepRecord record, expected, found;
+  for (int k = 0; k < 10; ++k) ASSERT_TRUE(used.step().ok());
+  used.write_record(record);
+  record.contacts.clear();
+  for (int k = 0; k < 100; ++k) ASSERT_TRUE(used.step().ok());  // until it rests
+  for (Simulator* simulator : {&fresh, &used}) {
+    simulator->restart_from(record);
+    for (int k = 0; k < 5; ++k) ASSERT_TRUE(simulator->step().ok());
+    simulator->write_record(simulator == &fresh ? expected : found);
+  }
+  for (std::size_t k = 0; k < expected.contacts.size(); ++k) {
+    EXPECT_EQ(found.contacts[k].tangent, expected.contacts[k].tangent);
+    EXPECT_EQ(found.contacts[k].facet_forces, expected.contacts[k].facet_forces);
+  }
+  EXPECT_EQ(found.bodies[0].velocity, expected.bodies[0].velocity);
+}
+
 TEST(State, ARecordWhoseForcesOrTangentsAreNoneIsRefusedByName) {
   const Mechanism scene = built_in_scene("sliding_box");
   Simulator simulator(scene);
