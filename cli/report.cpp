@@ -83,7 +83,9 @@ std::string for_people(const Report& report) {
   line(out, "iterations per step",
        fmt::format("mean {:.3g}, max {}", static_cast<double>(s.iterations) / std::max(1, s.steps), s.most_iterations));
   line(out, "helped steps", helped_text(s));
-  line(out, "largest residual", fmt::format("{:.3g} m/s, step {}", s.residual.value, s.residual.step));
+  line(out, "largest residual",
+       fmt::format("{:.3g} m/s, step {}{}", s.residual.value, s.residual.step,
+                   s.residual.value > report.tolerance ? "; above the tolerance: rounding this far from the origin" : ""));
   if (!scene.contacts.empty())
     line(out, "smallest distance", fmt::format("{:.3g} m, step {}", s.distance.value, s.distance.step));
   if (!scene.joints.empty())

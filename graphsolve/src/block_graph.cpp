@@ -1,6 +1,7 @@
 #include "graphsolve/block_graph.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 namespace graphsolve {
@@ -17,6 +18,8 @@ EdgeRank join(EdgeRank a, EdgeRank b) {
 
 NodeId BlockGraph::add_node(std::string name, int dimension, NodeKind kind) {
   if (dimension < 1) throw std::invalid_argument("node '" + name + "': dimension " + std::to_string(dimension) + " < 1");
+  if (dimension > std::numeric_limits<int>::max() - rows_)
+    throw std::invalid_argument("node '" + name + "': with its " + std::to_string(dimension) + " rows the graph has too many");
   nodes_.push_back({std::move(name), dimension, rows_, kind});
   adjacency_.emplace_back();
   rows_ += dimension;

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <stdexcept>
+#include <string>
 
 #include "graphsolve/interior_point.hpp"
 
@@ -109,6 +111,11 @@ void InteriorPoint::set_running() {
 }
 
 void InteriorPoint::begin(std::span<const double> x, double force_factor, std::span<const double> noise) {
+  if (x.size() != x_.size())
+    throw std::invalid_argument("start of " + std::to_string(x.size()) + " numbers, the graph has " + std::to_string(x_.size()) + " rows");
+  if (!noise.empty() && noise.size() != reports_.size())
+    throw std::invalid_argument("noise of " + std::to_string(noise.size()) + " numbers, the graph has " +
+                                std::to_string(reports_.size()) + " components");
   std::copy(x.begin(), x.end(), x_.begin());
   std::copy(x.begin(), x.end(), start_.begin());
   running_.assign(selected_.begin(), selected_.end());

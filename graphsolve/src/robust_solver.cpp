@@ -61,8 +61,8 @@ struct RobustSolver::Impl {
   Ordering ordering;
   Factorization first;
   std::vector<double> values;
+  std::vector<double> factored;  ///< values as they were factored; empty: not yet
   Factorization::Outcome outcome;
-  bool factored = false;
   // Made when needed, dropped when the values change.
   std::optional<Eigen::SparseMatrix<double>> matrix;
   std::optional<Factorization> reordered, shifted;
@@ -97,7 +97,7 @@ struct RobustSolver::Impl {
     reordered.reset();
     shifted.reset();
     outcome = first.factorize();
-    factored = true;
+    factored = values;
   }
 
   std::string bad_pivot(const Factorization& f, const Factorization::Outcome& o) const {
@@ -276,7 +276,7 @@ const Factorization::Outcome& RobustSolver::factorize() {
 
 RobustSolver::Report RobustSolver::solve(std::span<const double> b, std::span<double> x) {
   Impl& s = *impl_;
-  if (!s.factored) s.factorize();
+  if (s.factored != s.values) s.factorize();
   Report report;
   report.outcome = s.outcome;
   Impl::Search search;

@@ -71,6 +71,16 @@ TEST_F(Cli, SimulatesABuiltInSceneAndSaysHowItWent) {
   EXPECT_TRUE(entries().empty());
 }
 
+TEST_F(Cli, SaysWhereRoundingKeptStepsFromTheTolerance) {
+  for (const auto& [x, far] : {std::pair("0", false), std::pair("1e9", true)}) {
+    write("box.toml", "format = \"graphsolve-scene\"\nversion = 1\ntime_step = 0.01\n[[bodies]]\nname = \"box\"\nmass = 1\n"
+                      "inertia = [1, 1, 1]\nposition = [" + std::string(x) + ", 0, 0]\n");
+    const Outcome outcome = run("simulate box.toml --steps 3 --tolerance 1e-15");
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_EQ(outcome.out.find("above the tolerance: rounding this far from the origin") != std::string::npos, far) << outcome.out;
+  }
+}
+
 TEST_F(Cli, NamesRedundantJoints) {
   const Outcome outcome = run("simulate four_bar --steps 1");
   EXPECT_NE(outcome.out.find("redundant              joints 'ground-crank', "), std::string::npos) << outcome.out;

@@ -187,6 +187,18 @@ TEST(InteriorPoint, ASolutionBeyondTheBoundOnTheStepIsReportedAsSuch) {
   }
 }
 
+TEST(InteriorPoint, StartsAndNoiseOfAnotherLengthAreRefused) {
+  ChainQuadratic cost(2, 5);
+  Problem problem(chain(2));
+  problem.add(cost);
+  InteriorPoint solver(problem, std::make_shared<const Symbolic>(problem.graph(), natural_ordering(problem.graph())));
+  std::vector<double> x(4, 0.0), shorter(3, 0.0), longer(5, 0.0);
+  EXPECT_THROW((void)solver.solve(shorter), std::invalid_argument);
+  EXPECT_THROW((void)solver.solve(longer), std::invalid_argument);
+  EXPECT_THROW((void)solver.solve(x, 1, std::vector<double>{0, 0}), std::invalid_argument);
+  EXPECT_EQ(solver.solve(x, 1, std::vector<double>{0}), Status::solved);
+}
+
 TEST(InteriorPoint, NotANumberIsReportedAsSuch) {
   ChainQuadratic cost(2, 5);
   cost.g[1] = std::numeric_limits<double>::quiet_NaN();

@@ -85,6 +85,18 @@ TEST(RobustSolver, WhatNoOrderCanDoIsDoneByThresholdPivotingOrTheGivenSolver) {
   EXPECT_GE(calls, 1);
 }
 
+TEST(RobustSolver, ValuesThatChangedAreSolvedWithAlsoWhereNobodyFactoredThem) {
+  RobustSolver solver(pair_graph());
+  const std::vector<double> b{4, 8};
+  std::vector<double> x(2);
+  fill(solver, 2, 0, 0, 2);
+  ASSERT_EQ(solver.solve(b, x).status, Status::solved);
+  EXPECT_EQ(x, (std::vector<double>{2, 4}));
+  fill(solver, 4, 0, 0, 1);
+  ASSERT_EQ(solver.solve(b, x).status, Status::solved);
+  EXPECT_EQ(x, (std::vector<double>{1, 8}));
+}
+
 TEST(RobustSolver, ASingularSystemLeavesXAndNamesTheBlock) {
   RobustSolver solver(pair_graph());
   fill(solver, 1, 2, 2, 4);

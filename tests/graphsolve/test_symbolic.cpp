@@ -81,6 +81,16 @@ TEST(Symbolic, TreeOrdersVouchForEverySaddleBlockAndLoopOrdersNotForAll) {
   EXPECT_GE(uncertain, 1);
 }
 
+TEST(BlockGraph, RefusesWhatIsNoGraphByName) {
+  BlockGraph graph;
+  const NodeId a = graph.add_node("a", 2'000'000'000);
+  EXPECT_THROW(graph.add_node("empty", 0), std::invalid_argument);
+  EXPECT_THROW(graph.add_node("b", 2'000'000'000), std::invalid_argument) << "the rows do not fit into an int";
+  EXPECT_THROW(graph.add_edge(a, a), std::invalid_argument);
+  EXPECT_THROW(graph.add_edge(a, NodeId{1}), std::invalid_argument);
+  EXPECT_EQ(graph.size(), 1);
+}
+
 TEST(Symbolic, BlockWithoutAPlaceInTheFactorIsRefused) {
   const BlockGraph graph = families::chain(3);
   const Symbolic s(graph, natural_ordering(graph));

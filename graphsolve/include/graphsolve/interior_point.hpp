@@ -54,6 +54,7 @@ class InteriorPoint {
   /// what they remembered.
   /// force_factor: remembered forces are multiplied by it first (a change of the step length, where z is an impulse).
   /// noise: by component, the rounding error below which the residual cannot fall (may be empty).
+  /// Throws std::invalid_argument when x or noise has another length than the graph has rows or components.
   Status solve(std::span<double> x, double force_factor = 1, std::span<const double> noise = {});
 
   [[nodiscard]] std::span<const ComponentReport> reports() const { return reports_; }

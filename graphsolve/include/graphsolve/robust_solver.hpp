@@ -62,7 +62,7 @@ class RobustSolver {
     double backward_error = 0;  ///< componentwise, of the x handed out or of the best one found
     Factorization::Outcome outcome;  ///< of the first rung
   };
-  /// To be called when values changed; factors on the first rung.
+  /// Factors on the first rung. A solve does so by itself where values are not those that were factored.
   const Factorization::Outcome& factorize();
   /// x := A^-1 b. x stays as it was when the status is not `solved`. Redundant rows: one solution, or `singular` with
   /// the names of the rows that b contradicts.

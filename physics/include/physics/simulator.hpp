@@ -13,7 +13,9 @@
 namespace physics {
 
 struct SimulatorSettings {
-  double tolerance = 1e-8;  ///< natural residual at which a step is accepted [m/s]
+  /// Natural residual at which a step is accepted [m/s]. Where positions x of an island round to more, 8 eps |x| / dt,
+  /// that is what its steps are accepted at; StepResult::residual tells.
+  double tolerance = 1e-8;
   std::optional<double> time_step;               ///< instead of the scene's [s]
   std::optional<FrictionModel> friction_model;   ///< instead of the contacts' own
   std::optional<Start> start;                    ///< instead of the scene's
