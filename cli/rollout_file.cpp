@@ -109,7 +109,7 @@ std::string rollout_header(const RolloutRequest& request, const Shard& shard) {
               {"seed", request.seed},
               {"vary", vary},
               {"shard", fmt::format("{}/{}", shard.index, shard.count)}}
-      .dump();
+      .dump(-1, ' ', false, Json::error_handler_t::replace);  // names of files are bytes
 }
 
 std::string rollout_record(const RolloutRequest& request, const physics::CopyResult& r) {

@@ -81,6 +81,14 @@ TEST_F(Cli, SaysWhereRoundingKeptStepsFromTheTolerance) {
   }
 }
 
+TEST_F(Cli, TakesFilesWhoseNamesAreNotText) {
+  const std::string name = "b\xff.json";
+  physics::write_scene_json(physics::built_in_scene("disc"), path(name));
+  EXPECT_EQ(run("simulate '" + name + "' --steps 2 --out t.json --summary s.json").code, 0);
+  EXPECT_EQ(nlohmann::json::parse(text("s.json")).at("steps_solved"), 2);
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(run("rollout '" + name + "' --copies 2 --steps 2 --out r.jsonl").code, 0);
+}
+
 TEST_F(Cli, NamesRedundantJoints) {
   const Outcome outcome = run("simulate four_bar --steps 1");
   EXPECT_NE(outcome.out.find("redundant              joints 'ground-crank', "), std::string::npos) << outcome.out;

@@ -35,6 +35,4 @@ class Bound {
   std::int64_t entry_ = -1;
 };
 
-
-
 }  // namespace graphsolve

@@ -60,7 +60,6 @@ class InteriorPoint {
   [[nodiscard]] std::span<const ComponentReport> reports() const { return reports_; }
   [[nodiscard]] const Factorization& factorization() const { return factorization_; }
   void set_profile(Profile* profile) { profile_ = profile; }
-  void set_tolerance(double tolerance) { settings_.tolerance = tolerance; }
 
   /// Derivative of a solution: brings x and the laws, as a solve left them, to the central path of
   /// s z = smoothing * scale (scale: largest of the component's active pairs), and factors the matrix there into
