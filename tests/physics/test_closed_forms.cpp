@@ -74,6 +74,21 @@ TEST(FreeFall, MomentumGrowsByWeightTimesTimeOnly) {
   EXPECT_LE((simulator.linear_momentum() - expected).norm(), 1e-12);
 }
 
+/// Mean of the kinetic energies on either side of a pose, v_k -+ g dt / 2, plus the potential energy there.
+TEST(FreeFall, EnergyIsThatOfTheThrowAndStaysSo) {
+  const scenes::FreeBox p{.spin = 0};
+  const Mechanism scene = scenes::free_box(p);
+  const Body& body = scene.bodies[0];
+  Simulator simulator(scene);
+  const double expected = 0.5 * body.mass * body.velocity.squaredNorm() - body.mass * scene.gravity.dot(body.position) +
+                          body.mass * (scene.gravity * scene.time_step).squaredNorm() / 8;
+  advance(simulator, 1);  // reports the pose before the step, whose velocity was given: no step led there
+  for (int k = 0; k < 99; ++k) {
+    advance(simulator, 1);
+    ASSERT_NEAR(simulator.energy(), expected, 1e-12 * std::abs(expected)) << "step " << k + 2;
+  }
+}
+
 // ---- free top -------------------------------------------------------------------------------------------------------
 
 struct TopRun {

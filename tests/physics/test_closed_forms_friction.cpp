@@ -57,7 +57,7 @@ Vec3 stopping_path(const scenes::SlidingBox& parameters, Start start, FrictionMo
 double stopping_distance(const scenes::SlidingBox& p) { return p.speed * p.speed / (2 * p.friction * g); }
 
 TEST(SlidingBlock, StopsAfterV0SquaredOver2MuGAtAnyHeading) {
-  for (const double heading : {0.0, 30.0, 45.0, 100.0}) {
+  for (const double heading : {0.0, 1.0, 10.0, 20.0, 30.0, 45.0, 100.0}) {
     const scenes::SlidingBox p{.heading = heading, .time_step = 0.01};
     const Vec3 path = stopping_path(p, Start::half_kick, FrictionModel::aligned);
     const double error = path.norm() / stopping_distance(p) - 1;

@@ -160,4 +160,14 @@ TEST(State, ARecordWhoseForcesOrTangentsAreNoneIsRefusedByName) {
   ASSERT_TRUE(simulator.step().ok());
 }
 
+TEST(State, AStartThatOpensAJointIsCorrectedAndSaysByHowMuch) {
+  Mechanism scene = built_in_scene("pendulum:n=2");
+  EXPECT_EQ(Simulator(scene).start_correction(), 0);
+  scene.bodies[0].velocity = {0.3, 0, 0};
+  Simulator simulator(scene);
+  EXPECT_NEAR(simulator.start_correction(), 0.3, 1e-15);
+  ASSERT_TRUE(simulator.step().ok());
+  EXPECT_LE(simulator.largest_joint_error(), 1e-9);
+}
+
 }  // namespace
