@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "context.hpp"
 #include "physics/gradients.hpp"
 #include "physics/scenes.hpp"
 #include "unit.hpp"
@@ -68,7 +69,7 @@ int main(int argc, char** argv) {
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   const double unit = bench::measure_unit();
   std::printf("unit: %.0f ns\n", unit * 1e9);
-  benchmark::AddCustomContext("unit_ns", std::to_string(unit * 1e9));
+  bench::add_context(unit);
   for (const auto& [spec, steps] : {std::pair{"quadruped", 500}, std::pair{"hopper", 500}, std::pair{"snake:n=10", 200},
                                     std::pair{"tumbling_box", 100}})
     benchmark::RegisterBenchmark((std::string("gradients/") + spec).c_str(),

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "context.hpp"
 #include "graphsolve/ordering.hpp"
 #include "graphsolve/symbolic.hpp"
 #include "support/graph_families.hpp"
@@ -68,7 +69,7 @@ int main(int argc, char** argv) {
   unit = bench::measure_unit();
   std::printf("unit: %.0f ns (the bars are for 149 ns: here they are %.2f times as long)\n", unit * 1e9,
               unit / bench::reference_unit);
-  benchmark::AddCustomContext("unit_ns", std::to_string(unit * 1e9));
+  bench::add_context(unit);
   for (const Family family : families::all_families())
     for (const int n : {1000, 10'000}) {
       const Spec spec{.family = family, .n = n};

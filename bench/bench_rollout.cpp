@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "context.hpp"
 #include "physics/batch_simulator.hpp"
 #include "physics/scenes.hpp"
 #include "unit.hpp"
@@ -67,7 +68,7 @@ int main(int argc, char** argv) {
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   unit = bench::measure_unit();
   std::printf("unit: %.1f ns (reference 149 ns)\n", 1e9 * unit);
-  benchmark::AddCustomContext("unit_ns", std::to_string(1e9 * unit));
+  bench::add_context(unit);
   const auto add = [](const char* name, const char* spec, int steps) {
     benchmark::RegisterBenchmark(name, batch, spec, steps)
         ->Arg(1)->Arg(8)->Arg(16)->Arg(64)->UseManualTime()->Unit(benchmark::kMillisecond);

@@ -176,7 +176,9 @@ double Joints::motor_residual(Joint& joint, double lambda, double& diagonal) {
   const double dt = bodies_.dt;
   const double raw = coordinate(joint, bodies_.pose_next(g.parent), bodies_.pose_next(g.child));
   double change = raw - joint.coordinate;
-  if (g.type == JointType::revolute) change = std::remainder(change, 2 * std::numbers::pi);  // follow full turns
+  // Follow full turns; within half a turn nothing changes.
+  if (g.type == JointType::revolute && !(std::abs(change) <= std::numbers::pi))
+    change = std::remainder(change, 2 * std::numbers::pi);
   joint.next_coordinate = joint.coordinate + change;
   const double wanted = motor.stiffness * (joint.target - joint.next_coordinate) - motor.damping * change / dt;
   joint.limited = !(std::abs(wanted) < motor.limit);

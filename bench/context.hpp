@@ -1,0 +1,31 @@
+#pragma once
+
+#include <benchmark/benchmark.h>
+
+#include <fstream>
+#include <string>
+
+#include "commit.hpp"
+#include "graphsolve/simd/lanes.hpp"
+
+/// What a figure depends on besides the code that is timed; goes into the JSON of every benchmark.
+namespace bench {
+
+inline std::string processor() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+  return "unknown processor";
+}
+
+/// unit: measured before [s].
+inline void add_context(double unit) {
+  benchmark::AddCustomContext("unit_ns", std::to_string(1e9 * unit));
+  benchmark::AddCustomContext("cpu", processor());
+  benchmark::AddCustomContext("instruction_set", std::string(name(graphsolve::simd::instruction_set())));
+  benchmark::AddCustomContext("commit", GRAPHSOLVE_COMMIT);
+  benchmark::AddCustomContext("compiler", GRAPHSOLVE_COMPILER);
+  benchmark::AddCustomContext("flags", GRAPHSOLVE_FLAGS);
+}
+
+}  // namespace bench
