@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "baselines/baselines.hpp"
-#include "commit.hpp"
+#include "context.hpp"
 #include "graphsolve_solver.hpp"
 #include "support/graph_families.hpp"
 #include "support/problem_families.hpp"
@@ -242,14 +242,6 @@ void add_all(const std::string& table, const Entry& entry) {
   add(table, problem, one, packages());
 }
 
-/// What /proc/cpuinfo calls the processor.
-std::string processor() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
-  return "unknown processor";
-}
-
 /// The BLAS that supernodal codes got, by the name of its file: how fast they are depends on it.
 std::string blas() {
   std::ifstream file("/proc/self/maps");
@@ -291,13 +283,8 @@ int main(int argc, char** argv) {
   clock_cost = measure_clock();
   std::printf("unit: %.0f ns (the bars are for 149 ns: here they are %.2f times as long)\n", unit * 1e9,
               unit / bench::reference_unit);
-  benchmark::AddCustomContext("unit_ns", std::to_string(unit * 1e9));
-  benchmark::AddCustomContext("cpu", processor());
+  bench::add_context(unit);
   benchmark::AddCustomContext("blas", blas());
-  benchmark::AddCustomContext("instruction_set", std::string(name(graphsolve::simd::instruction_set())));
-  benchmark::AddCustomContext("commit", GRAPHSOLVE_COMMIT);
-  benchmark::AddCustomContext("compiler", GRAPHSOLVE_COMPILER);
-  benchmark::AddCustomContext("flags", GRAPHSOLVE_FLAGS);
 #ifdef GRAPHSOLVE_HAS_BASELINES
   benchmark::AddCustomContext("packages", baselines::versions());
 #else
