@@ -63,8 +63,11 @@ Mechanism welded(bool with_ground) {
 
 TEST(MergedBodies, MoveAsTheyDoHeldByTheirJoints) {
   const Mechanism scene = welded(false);
-  SimulatorSettings apart{.tolerance = 1e-12, .merge_fixed_joints = false};
-  Simulator one(scene, {.tolerance = 1e-12}), three(scene, apart);
+  SimulatorSettings together;
+  together.tolerance = 1e-12;
+  SimulatorSettings apart = together;
+  apart.merge_fixed_joints = false;
+  Simulator one(scene, together), three(scene, apart);
   ASSERT_EQ(one.problem_size().body_nodes, 1);
   ASSERT_EQ(three.problem_size().body_nodes, 3);
   StepRecord found, expected;
