@@ -90,9 +90,10 @@ void judge_friction(const Step& step, std::size_t index, const Vec3& normal, Cer
   const double crooked = std::max(std::abs(t1.norm() - 1), std::abs(t1.dot(normal)));
   result.pyramid.raise(crooked, step.after.step, contact.name);
 
-  const physics::BodyRecord& body = step.after.bodies[contact.body.index];
-  const Vec3 spin = step.old_at(contact.body).r * body.angular_velocity;
-  const Vec3 velocity = body.velocity + spin.cross(arm(step, contact, normal));
+  const int body = contact.body.index;
+  const Vec3 spin = step.old_at(contact.body).r * step.after.bodies[body].angular_velocity;
+  const Vec3 from_centre = step.old_at(contact.body).x - step.group_centre[body] + arm(step, contact, normal);
+  const Vec3 velocity = step.group_velocity[body] + spin.cross(from_centre);
   Friction friction;
   friction.slip = velocity - normal * normal.dot(velocity);
   friction.bound = coefficient * record.normal_force;

@@ -101,12 +101,13 @@ void Step::find_groups() {
   }
   group.resize(n);
   std::vector<double> mass(n + 1, 0.0);
-  std::vector<Vec3> centre(n + 1, Vec3::Zero());
+  std::vector<Vec3> centre(n + 1, Vec3::Zero()), velocity(n + 1, Vec3::Zero());
   for (int i = 0; i < n; ++i) {
     const int g = root(rigid, i);
     group[i] = g == world_root ? -1 : g;
     mass[g] += mechanism.bodies[i].mass;
     centre[g] += mechanism.bodies[i].mass * old_pose[i].x;
+    velocity[g] += mechanism.bodies[i].mass * after.bodies[i].velocity;
   }
   std::vector<Mat3> inertia(n + 1, Mat3::Zero());
   for (int i = 0; i < n; ++i) {
@@ -124,6 +125,8 @@ void Step::find_groups() {
   for (int i = 0; i < n; ++i) {
     const int g = root(rigid, i);
     scale.push_back({mass[g], moment[g]});
+    group_centre.push_back(centre[g] / mass[g]);
+    group_velocity.push_back(velocity[g] / mass[g]);
     largest_mass.push_back(largest[root(island, i)]);
   }
 }

@@ -52,6 +52,9 @@ struct Step {
   std::vector<Placement> old_pose, new_pose;
   std::vector<int> group;    ///< of bodies that move as one: index of one of them; -1: as one with the world
   std::vector<Scale> scale;  ///< of the body's group
+  /// Of the body's group: centre of mass at the old pose, and its velocity in the step. (A member's own velocity is
+  /// that of a chord.)
+  std::vector<Vec3> group_centre, group_velocity;
   std::vector<double> largest_mass;  ///< of a group among those connected to the body by joints
 
   [[nodiscard]] const Placement& old_at(physics::BodyId id) const;
