@@ -37,9 +37,6 @@ class QuotientGraph {
   [[nodiscard]] std::int64_t fill(int node);
   static constexpr std::size_t exact_degree = 12;
 
-  /// Entries of the node's lists, some of them gone: what fill() costs for a node of large degree.
-  [[nodiscard]] int list_size(int node) const { return nodes_[node].elements + nodes_[node].variables; }
-
  private:
   struct Node {
     int begin = 0, end = 0;                ///< its part of lists_: elements from the front, variables up to the end

@@ -1,0 +1,100 @@
+#include <cmath>
+#include <numbers>
+
+#include "joints.hpp"
+
+/// Residual and blocks of all joints at the iterate: octets by kernels, forces and motors one by one.
+namespace physics {
+
+void Joints::evaluate(graphsolve::Instances instances, std::span<const double> x, std::span<double> residual,
+                      double* values) {
+  if (bodies_.force_at_next) aim(instances.index, true);
+  groups_.each(instances.index, [&](int i) { return joints_[i].place; },
+               [&](int octet, unsigned used) { evaluate_octet(octet, used, x, residual, values); });
+  // In the order of the joints, whatever octets they are in: sums in bits depend on it.
+  for (const int i : instances.index) add_forces(i, x, residual, values);
+}
+
+void Joints::evaluate_octet(int octet, unsigned used, std::span<const double> x, std::span<double> residual,
+                            double* values) {
+  double nowhere[36];
+  JointTask task;
+  task.rows = octet_rows_[octet];
+  task.octet = &octets_[octet];
+  task.used = used;
+  task.dt = bodies_.dt;
+  each_lane(octet, used, [&](int lane, int place) {
+    const int i = joint_at_[place];
+    const Joint& joint = joints_[i];
+    const JointGeometry& g = joint.geometry;
+    task.parent[lane] = bodies_.pose_next(g.parent).x.data();
+    task.child[lane] = bodies_.pose_next(g.child).x.data();
+    task.impulses[lane] = x.data() + joint.row;
+    task.residual[lane] = residual.data() + joint.row;
+    task.wrenches[lane] = wrenches_[i].data();
+    const auto block = [&](int body, const graphsolve::BlockHandle& handle) {
+      return !values ? nullptr : body < 0 ? nowhere : values + handle.offset;
+    };
+    task.to_child[lane] = block(g.child, joint.to_child);
+    task.to_parent[lane] = block(g.parent, joint.to_parent);
+    task.from_child[lane] = block(g.child, joint.from_child);
+    task.from_parent[lane] = block(g.parent, joint.from_parent);
+  });
+  evaluate_joints(task);
+}
+
+/// What the octets leave out: forces on the bodies, and motors.
+void Joints::add_forces(int i, std::span<const double> x, std::span<double> residual, double* values) {
+  Joint& joint = joints_[i];
+  const double* wrench = wrenches_[i].data();
+  if (joint.child_row >= 0)
+    for (int k = 0; k < 6; ++k) residual[joint.child_row + k] -= wrench[k];
+  if (joint.parent_row >= 0)
+    for (int k = 0; k < 6; ++k) residual[joint.parent_row + k] -= wrench[6 + k];
+  if (values && bodies_.force_at_next)
+    add_direction_derivative(joint, Eigen::Map<const Vec3>(x.data() + joint.row), values);
+  if (!joint.motor) return;
+  double diagonal = 0;
+  residual[joint.row + 5] += motor_residual(joint, x[joint.row + 5], diagonal);
+  if (!values) return;
+  values[joint.own.offset + 5 * 6 + 5] += diagonal;
+  if (!joint.limited) return;
+  for (int k = 0; k < 6; ++k) {  // the effort no longer answers to the velocity
+    if (joint.parent_row >= 0) values[joint.to_parent.offset + 6 * k + 5] = 0;
+    if (joint.child_row >= 0) values[joint.to_child.offset + 6 * k + 5] = 0;
+  }
+}
+
+double Joints::motor_residual(Joint& joint, double lambda, double& diagonal) {
+  const JointGeometry& g = joint.geometry;
+  const Motor& motor = *joint.motor;
+  const double dt = bodies_.dt;
+  const double raw = coordinate(joint, bodies_.pose_next(g.parent), bodies_.pose_next(g.child));
+  double change = raw - joint.coordinate;
+  // Follow full turns; within half a turn nothing changes.
+  if (g.type == JointType::revolute && !(std::abs(change) <= std::numbers::pi))
+    change = std::remainder(change, 2 * std::numbers::pi);
+  joint.next_coordinate = joint.coordinate + change;
+  const double wanted = motor.stiffness * (joint.target - joint.next_coordinate) - motor.damping * change / dt;
+  joint.limited = !(std::abs(wanted) < motor.limit);
+  const double effort = joint.limited ? std::copysign(motor.limit, wanted) : wanted;
+  diagonal = 1 / (joint.impulse_time * (motor.stiffness * dt + motor.damping));
+  return (lambda - joint.impulse_time * effort) * diagonal;
+}
+
+/// With directions at `next` the torque p x R^T impulse turns with the body. (Of the rows in all three axes of the
+/// world only; the others are left to converge as they do without it.)
+void Joints::add_direction_derivative(const Joint& joint, const Vec3& impulse, double* values) const {
+  if (joint.translation_rows != 3) return;
+  const auto add = [&](int body, const graphsolve::BlockHandle& block, const Vec3& point, double sign) {
+    if (body < 0) return;
+    const Pose& pose = bodies_.next[body];
+    const Vec3 local = pose.rotation.transpose() * impulse;
+    Eigen::Map<Eigen::Matrix<double, 6, 6>>(values + block.offset).bottomRightCorner<3, 3>() -=
+        sign * bodies_.dt * skew(point) * skew(local) * pose.turn;
+  };
+  add(joint.geometry.child, joint.child_own, joint.geometry.child_point, 1);
+  add(joint.geometry.parent, joint.parent_own, joint.geometry.parent_point, -1);
+}
+
+}  // namespace physics
