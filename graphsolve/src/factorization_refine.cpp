@@ -1,6 +1,6 @@
-#include <cassert>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "graphsolve/factorization.hpp"
 
@@ -60,7 +60,7 @@ Factorization::Refinement Factorization::refine(std::span<const double> b, std::
 
 Factorization::Refinement Factorization::refine_range(std::span<const double> b, std::span<double> x, int begin, int end,
                                                       int max_sweeps) {
-  assert(!matrix_.empty() && "allow_refinement() and keep_matrix(true) before factorize()");
+  if (matrix_.empty()) throw std::logic_error("refine: allow_refinement() and keep_matrix(true) come before factorize()");
   const double goal = 4 * std::numeric_limits<double>::epsilon();
   Refinement result{.sweeps = 0, .backward_error = residual(b, x, begin, end)};
   while (result.sweeps < max_sweeps && result.backward_error > goal) {

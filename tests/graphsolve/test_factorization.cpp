@@ -141,6 +141,17 @@ TEST(Factorization, SingularRegularBlockIsReportedAtItsPivot) {
   EXPECT_NE(good, bad);
 }
 
+TEST(Factorization, RefinementWithoutAKeptMatrixIsRefused) {
+  BlockGraph graph;
+  graph.add_node("x", 1);
+  Factorization f(std::make_shared<const Symbolic>(graph, natural_ordering(graph)));
+  f.values()[0] = 2;
+  ASSERT_TRUE(f.factorize().ok());
+  const double b[] = {1};
+  double x[] = {0.5};
+  EXPECT_THROW((void)f.refine(b, x), std::logic_error);
+}
+
 TEST(Factorization, NotANumberIsReportedAtItsPivot) {
   const BlockGraph graph = families::chain(3);
   Eigen::MatrixXd a = families::saddle_matrix(graph, 5);

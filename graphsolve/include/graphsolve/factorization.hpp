@@ -135,7 +135,7 @@ class Factorization {
     double backward_error = 0;  ///< componentwise: max |A x - b| / (|A| |x| + |b|)
   };
   /// x := refined solution of A x = b, until the componentwise backward error is <= 4 eps rows or no longer
-  /// falls. Needs the kept matrix. b is not changed.
+  /// falls. b is not changed. Needs the kept matrix; throws std::logic_error where none was allowed.
   Refinement refine(std::span<const double> b, std::span<double> x, int max_sweeps = 3);
   Refinement refine(std::span<const double> b, std::span<double> x, int component, int max_sweeps);
 
