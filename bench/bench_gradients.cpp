@@ -67,9 +67,7 @@ void gradients(benchmark::State& state, const std::string& spec, int steps) {
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  const double unit = bench::measure_unit();
-  std::printf("unit: %.0f ns\n", unit * 1e9);
-  bench::add_context(unit);
+  (void)bench::set_up();
   for (const auto& [spec, steps] : {std::pair{"quadruped", 500}, std::pair{"hopper", 500}, std::pair{"snake:n=10", 200},
                                     std::pair{"tumbling_box", 100}})
     benchmark::RegisterBenchmark((std::string("gradients/") + spec).c_str(),

@@ -66,10 +66,7 @@ void add(const std::string& name, const Spec& spec, OrderingMethod method) {
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  unit = bench::measure_unit();
-  std::printf("unit: %.0f ns (the bars are for 149 ns: here they are %.2f times as long)\n", unit * 1e9,
-              unit / bench::reference_unit);
-  bench::add_context(unit);
+  unit = bench::set_up();
   for (const Family family : families::all_families())
     for (const int n : {1000, 10'000}) {
       const Spec spec{.family = family, .n = n};

@@ -66,9 +66,7 @@ void batch(benchmark::State& state, const std::string& spec, int steps) {
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
-  unit = bench::measure_unit();
-  std::printf("unit: %.1f ns (reference 149 ns)\n", 1e9 * unit);
-  bench::add_context(unit);
+  unit = bench::set_up();
   const auto add = [](const char* name, const char* spec, int steps) {
     benchmark::RegisterBenchmark(name, batch, spec, steps)
         ->Arg(1)->Arg(8)->Arg(16)->Arg(64)->UseManualTime()->Unit(benchmark::kMillisecond);

@@ -279,11 +279,8 @@ int main(int argc, char** argv) {
   setenv("OMP_NUM_THREADS", "1", 0);  // the packages' BLAS too
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  const double unit = bench::measure_unit();
+  (void)bench::set_up();
   clock_cost = measure_clock();
-  std::printf("unit: %.0f ns (the bars are for 149 ns: here they are %.2f times as long)\n", unit * 1e9,
-              unit / bench::reference_unit);
-  bench::add_context(unit);
   benchmark::AddCustomContext("blas", blas());
 #ifdef GRAPHSOLVE_HAS_BASELINES
   benchmark::AddCustomContext("packages", baselines::versions());

@@ -138,10 +138,7 @@ void add(const std::string& name, const std::string& spec, int steps) {
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  unit = bench::measure_unit();
-  std::printf("unit: %.0f ns (the bars are for 149 ns: here they are %.2f times as long)\n", unit * 1e9,
-              unit / bench::reference_unit);
-  bench::add_context(unit);
+  unit = bench::set_up();
   // Dropped, sliding and coming to rest. The bars: 150 us and 45 us.
   add("step/snake n=100", "snake:n=100", 100);
   add("step/disc c=100", "disc:c=100", 100);

@@ -2,11 +2,13 @@
 
 #include <benchmark/benchmark.h>
 
+#include <cstdio>
 #include <fstream>
 #include <string>
 
 #include "commit.hpp"
 #include "graphsolve/simd/lanes.hpp"
+#include "unit.hpp"
 
 /// What a figure depends on besides the code that is timed; goes into the JSON of every benchmark.
 namespace bench {
@@ -18,14 +20,18 @@ inline std::string processor() {
   return "unknown processor";
 }
 
-/// unit: measured before [s].
-inline void add_context(double unit) {
+/// Measures the unit, prints it, and adds all that belongs to the figures. Returns the unit [s]; after Initialize.
+inline double set_up() {
+  const double unit = measure_unit();
+  std::printf("unit: %.0f ns (the bars are for 149 ns: here they are %.2f times as long)\n", unit * 1e9,
+              unit / reference_unit);
   benchmark::AddCustomContext("unit_ns", std::to_string(1e9 * unit));
   benchmark::AddCustomContext("cpu", processor());
   benchmark::AddCustomContext("instruction_set", std::string(name(graphsolve::simd::instruction_set())));
   benchmark::AddCustomContext("commit", GRAPHSOLVE_COMMIT);
   benchmark::AddCustomContext("compiler", GRAPHSOLVE_COMPILER);
   benchmark::AddCustomContext("flags", GRAPHSOLVE_FLAGS);
+  return unit;
 }
 
 }  // namespace bench

@@ -7,9 +7,11 @@
 Times are those of a machine whose unit takes 149 ns. Only the standard library. Files of several runs of one program:
 the median of each figure.
 """
-import json
 import statistics
 import sys
+
+sys.dont_write_bytecode = True  # nothing is left in the source tree
+import tables
 
 # Benchmark, counter, what it is, bar, aim, does more count as better?
 ROWS = [
@@ -30,18 +32,13 @@ ROWS = [
 
 def load(paths):
     """{name: {counter: [values]}}, first context."""
-    figures, context = {}, None
-    for path in paths:
-        with open(path, encoding="utf-8") as file:
-            data = json.load(file)
-        context = context or data["context"]
-        for run in data["benchmarks"]:
-            if run.get("run_type") == "aggregate":
-                continue
-            name = run["name"].split("/manual_time")[0].split("/iterations")[0]
-            for counter, value in run.items():
-                if isinstance(value, (int, float)):
-                    figures.setdefault(name, {}).setdefault(counter, []).append(value)
+    figures = {}
+    runs, context = tables.read(paths)
+    for run in runs:
+        name = run["name"].split("/manual_time")[0].split("/iterations")[0]
+        for counter, value in run.items():
+            if isinstance(value, (int, float)):
+                figures.setdefault(name, {}).setdefault(counter, []).append(value)
     return figures, context
 
 
@@ -65,9 +62,7 @@ def main():
         print(__doc__, file=sys.stderr)
         return 2
     figures, context = load(sys.argv[1:])
-    print(f"unit {float(context['unit_ns']):.0f} ns (bars hold for 149); {context.get('cpu', '')}, {context['num_cpus']} cores; "
-          f"{context.get('compiler', '')}, {context.get('flags', '').strip()}, {context.get('instruction_set', '')} chosen at "
-          f"run time; commit {context.get('commit', '')}; {context['date']}; one thread, thread CPU time, medians\n")
+    print(tables.conditions(context) + "\n")
     print("| what | figure | mean | bar | aim | |\n|---|---|---|---|---|---|")
     for name, counter, what, bar, aim, more in ROWS:
         value = find(figures, name, counter, more)

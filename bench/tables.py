@@ -14,23 +14,37 @@ import sys
 REFERENCE_UNIT = 149.0  # ns; bars in us hold where the unit takes this long
 
 
-def load(paths):
-    """{table: {problem: {solver: {counter: median, 'error': reason, 'label': text}}}}, context of the first file."""
-    runs, context = {}, None
+def read(paths):
+    """All measured runs, and the context of the first file."""
+    runs, context = [], None
     for path in paths:
         with open(path, encoding="utf-8") as file:
             data = json.load(file)
         context = context or data["context"]
-        for run in data["benchmarks"]:
-            if run.get("run_type") == "aggregate":
-                continue
-            table, problem, solver = run["name"].split("/")[:3]
-            runs.setdefault(table, {}).setdefault(problem, {}).setdefault(solver, []).append(run)
-    for problems in runs.values():
+        runs += [run for run in data["benchmarks"] if run.get("run_type") != "aggregate"]
+    return runs, context
+
+
+def conditions(context):
+    """What the figures were measured with."""
+    return (f"unit {float(context['unit_ns']):.0f} ns (reference {REFERENCE_UNIT:.0f}); {context.get('cpu', '')}, "
+            f"{context['num_cpus']} cores; {context['compiler']}, {context['flags'].strip()}, "
+            f"{context.get('instruction_set', 'plain')} chosen at run time; commit {context['commit']}; {context['date']}; "
+            "one thread, thread CPU time, medians")
+
+
+def load(paths):
+    """{table: {problem: {solver: {counter: median, 'error': reason, 'label': text}}}}, context of the first file."""
+    tables = {}
+    runs, context = read(paths)
+    for run in runs:
+        table, problem, solver = run["name"].split("/")[:3]
+        tables.setdefault(table, {}).setdefault(problem, {}).setdefault(solver, []).append(run)
+    for problems in tables.values():
         for solvers in problems.values():
             for solver, repetitions in solvers.items():
                 solvers[solver] = merge(repetitions)
-    return runs, context
+    return tables, context
 
 
 def merge(repetitions):
@@ -245,10 +259,7 @@ def main():
         return 2
     runs, context = load(paths)
     unit = float(context["unit_ns"])
-    print(f"unit {unit:.0f} ns (reference {REFERENCE_UNIT:.0f}); {context.get('cpu', '')}, {context['num_cpus']} cores; "
-          f"{context['compiler']}, {context['flags'].strip()}, "
-          f"{context.get('instruction_set', 'plain')} chosen at run time; {context.get('packages', 'no packages to compare with')}, "
-          f"BLAS {context.get('blas', '-')}; commit {context['commit']}; {context['date']}; one thread, thread CPU time, medians")
+    print(f"{conditions(context)}; {context.get('packages', 'no packages to compare with')}, BLAS {context.get('blas', '-')}")
     times(runs, "speed", "Symmetric values")
     bars_of_item_1(runs)
     bars_of_item_2(runs, REFERENCE_UNIT / unit)

@@ -65,7 +65,6 @@ class PyramidContacts final : public graphsolve::PortBatch {
   void relax(graphsolve::Instances instances, double damping, std::span<double> change) override;
 
  private:
-  struct Access;
   template <class F>
   void each_octet(std::span<const int> contacts, F&& f) const;
   void point_at_poses(ContactTask& task, int octet) const;

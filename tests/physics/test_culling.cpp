@@ -3,32 +3,13 @@
 #include <cmath>
 
 #include "physics/simulator.hpp"
+#include "thrown_rod.hpp"
 
 // Contacts that seemed out of reach before a step and were not.
 
 namespace {
 
 using namespace physics;
-
-/// A tilted rod hits the ground with one end, which throws the other down faster than it was falling.
-Mechanism thrown_rod() {
-  Mechanism scene;
-  Body rod;
-  rod.name = "rod";
-  rod.mass = 1;
-  rod.inertia = Vec3(1 / 12.0, 1 / 12.0, 1e-4).asDiagonal();
-  const double tilt = 0.07;
-  rod.orientation = Quat(Eigen::AngleAxisd(std::acos(tilt), Vec3::UnitY()));
-  rod.position = {0, 0, tilt / 2};
-  rod.velocity = {0, 0, -5};
-  Contact low;
-  low.name = "low";
-  low.body = scene.add(rod);
-  low.point = {0, 0, -0.5};
-  low.friction = 0.3;
-  scene.add(low);
-  return scene;
-}
 
 /// A ledge under the other end, so high that the step ends this far below it when the ledge is not felt.
 Mechanism with_ledge(double depth) {

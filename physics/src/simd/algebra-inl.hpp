@@ -61,7 +61,6 @@ HWY_INLINE Vector3 operator*(const Matrix3& m, const Vector3& a) { return a.x * 
 HWY_INLINE Vector3 transposed_times(const Matrix3& m, const Vector3& a) {
   return {dot(m.c0, a), dot(m.c1, a), dot(m.c2, a)};
 }
-HWY_INLINE Matrix3 operator*(const Matrix3& a, const Matrix3& b) { return {a * b.c0, a * b.c1, a * b.c2}; }
 HWY_INLINE Matrix3 operator+(const Matrix3& a, const Matrix3& b) { return {a.c0 + b.c0, a.c1 + b.c1, a.c2 + b.c2}; }
 HWY_INLINE Matrix3 operator-(const Matrix3& a, const Matrix3& b) { return {a.c0 - b.c0, a.c1 - b.c1, a.c2 - b.c2}; }
 HWY_INLINE Matrix3 operator*(const Pack& s, const Matrix3& a) { return {s * a.c0, s * a.c1, s * a.c2}; }
