@@ -70,8 +70,10 @@ void Factorization::set_zero(int component) {
 void Factorization::allow_refinement() {
   matrix_.assign(values_.size(), 0.0);
   residual_.assign(symbolic_->rows(), 0.0);
+  residual_low_.assign(symbolic_->rows(), 0.0);
   magnitude_.assign(symbolic_->rows(), 0.0);
   correction_.assign(symbolic_->rows(), 0.0);
+  best_.assign(symbolic_->rows(), 0.0);
 }
 
 Factorization::Outcome Factorization::factorize() {

@@ -134,8 +134,8 @@ class Factorization {
     int sweeps = 0;
     double backward_error = 0;  ///< componentwise: max |A x - b| / (|A| |x| + |b|)
   };
-  /// x := refined solution of A x = b, until the componentwise backward error is <= 4 eps rows or no longer
-  /// falls. b is not changed. Needs the kept matrix; throws std::logic_error where none was allowed.
+  /// x := refined solution of A x = b, until the componentwise backward error is <= 4 eps or no longer falls, the
+  /// residual being taken in twice the precision where it stops falling in the plain one. b is not changed. Needs the kept matrix; throws std::logic_error where none was allowed.
   Refinement refine(std::span<const double> b, std::span<double> x, int max_sweeps = 3);
   Refinement refine(std::span<const double> b, std::span<double> x, int component, int max_sweeps);
 
@@ -199,7 +199,8 @@ class Factorization {
   void solve_column_transposed(double* x) const;
   void check_size(std::span<const double> x, int columns) const;
   Refinement refine_range(std::span<const double> b, std::span<double> x, int begin, int end, int max_sweeps);
-  double residual(std::span<const double> b, std::span<const double> x, int begin, int end);
+  enum class Precision { plain, twice };
+  double residual(std::span<const double> b, std::span<const double> x, int begin, int end, Precision precision);
   template <class F>
   void each_row(int begin, int end, F&& f) const;
 
@@ -218,7 +219,7 @@ class Factorization {
   std::vector<double> work_;          ///< two of the largest block and 3 of its rows; solving needs none of it
   std::vector<char> equal_;           ///< per pivot: equal_couplings
   std::vector<double> spread_;        ///< for the update of equal couplings
-  std::vector<double> residual_, magnitude_, correction_;
+  std::vector<double> residual_, residual_low_, magnitude_, correction_, best_;
   std::vector<DroppedRow> dropped_;
   // For refactorize().
   struct Share {
