@@ -1,12 +1,13 @@
 #include "graphsolve/robust_solver.hpp"
 
-#include <Eigen/SparseLU>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <optional>
 
 #include "kept_matrix.hpp"
+#include "threshold_pivoting.hpp"
 
 namespace graphsolve {
 
@@ -15,30 +16,12 @@ namespace {
 constexpr double stiff = 1e6;    ///< a node this much larger than its neighbours is eliminated later
 constexpr double shift = 1e-8;   ///< of what was added to a saddle row; 1e-6 spoils it (algorithm.md 5)
 constexpr double consistent = 1e-9;
+constexpr double certain = 1e3;  ///< a contradiction is that many times larger than the doubt about the dependency
 
 std::string number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2g", value);
   return text;
-}
-
-/// max |b - A x|_i / (|A| |x| + |b|)_i, and the residual; NaN stays.
-double backward_error(const Eigen::SparseMatrix<double>& a, const Eigen::VectorXd& b, const Eigen::VectorXd& x,
-                      Eigen::VectorXd& residual) {
-  Eigen::VectorXd magnitude = b.cwiseAbs();
-  residual = b;
-  for (int j = 0; j < a.outerSize(); ++j)
-    for (Eigen::SparseMatrix<double>::InnerIterator entry(a, j); entry; ++entry) {
-      residual[entry.row()] -= entry.value() * x[j];
-      magnitude[entry.row()] += std::abs(entry.value() * x[j]);
-    }
-  double error = 0;
-  for (Eigen::Index i = 0; i < b.size(); ++i) {
-    if (magnitude[i] == 0) continue;
-    const double e = std::abs(residual[i]) / magnitude[i];
-    if (e > error || std::isnan(e)) error = e;
-  }
-  return error;
 }
 
 bool better(double error, double than) { return error < than || std::isnan(than); }
@@ -64,9 +47,12 @@ struct RobustSolver::Impl {
   std::vector<double> factored;  ///< values as they were factored; empty: not yet
   Factorization::Outcome outcome;
   // Made when needed, dropped when the values change.
-  std::optional<Eigen::SparseMatrix<double>> matrix;
-  std::optional<Factorization> reordered, shifted;
-  Eigen::SparseLU<Eigen::SparseMatrix<double>> lu;
+  struct Retry {
+    Factorization factorization;
+    Factorization::Outcome outcome;
+  };
+  std::optional<Retry> reordered, shifted;
+  std::optional<ThresholdPivoting> general;
 
   struct Attempt {
     Rung rung;
@@ -93,9 +79,9 @@ struct RobustSolver::Impl {
 
   void factorize() {
     std::copy(values.begin(), values.end(), first.values().begin());
-    matrix.reset();
     reordered.reset();
     shifted.reset();
+    general.reset();
     outcome = first.factorize();
     factored = values;
   }
@@ -125,12 +111,17 @@ struct RobustSolver::Impl {
     return judge(search, {rung, std::move(x), refined.backward_error});
   }
 
-  /// Every block of the matrix into a factorization with an order of its own.
-  void load(Factorization& f) const {
-    f.set_zero();
+  /// The matrix factored in another order, or with a shift.
+  Retry retry(const Ordering& order, double saddle_shift) const {
+    Factorization f(std::make_shared<const Symbolic>(graph, order), options.kind);
+    f.allow_refinement();
+    f.keep_matrix(true);
+    f.set_saddle_shift(saddle_shift);
     each_matrix_block(first.symbolic(), [&](NodeId a, NodeId b, const BlockHandle& from) {
       std::copy_n(first.matrix().begin() + from.offset, from.rows * from.columns, f.block(f.symbolic().block(a, b)));
     });
+    Factorization::Outcome o = f.factorize();
+    return {std::move(f), o};
   }
 
   double largest_diagonal(NodeId node) const {
@@ -153,6 +144,7 @@ struct RobustSolver::Impl {
   }
 
   bool try_reordered(Search& search) {
+    if (reordered) return try_factors(search, Rung::reordered, reordered->factorization, reordered->outcome);
     const std::vector<char> late = late_nodes();
     if (std::ranges::count(late, 1) == 0) {
       note(search, Rung::reordered, "no node is stiff");
@@ -162,66 +154,45 @@ struct RobustSolver::Impl {
     for (const bool wanted : {false, true})
       for (const NodeId node : ordering.sequence)
         if ((late[node.index] != 0) == wanted) sequence.push_back(node);
-    reordered.emplace(std::make_shared<const Symbolic>(graph, user_ordering(graph, sequence)), options.kind);
-    reordered->allow_refinement();
-    reordered->keep_matrix(true);
-    load(*reordered);
-    return try_factors(search, Rung::reordered, *reordered, reordered->factorize());
+    reordered.emplace(retry(user_ordering(graph, sequence), 0));
+    return try_factors(search, Rung::reordered, reordered->factorization, reordered->outcome);
   }
 
   bool try_shifted(Search& search) {
     bool saddle = false;
     for (int k = 0; k < graph.size(); ++k) saddle = saddle || graph.kind({k}) == NodeKind::saddle;
     if (!saddle || options.kind == FactorizationKind::cholesky) return false;
-    shifted.emplace(std::make_shared<const Symbolic>(graph, ordering), options.kind);
-    shifted->allow_refinement();
-    shifted->keep_matrix(true);
-    shifted->set_saddle_shift(shift);
-    load(*shifted);
-    return try_factors(search, Rung::shifted, *shifted, shifted->factorize());
-  }
-
-  bool solve_general(const Eigen::VectorXd& b, Eigen::VectorXd& x) {
-    if (!options.fallback) {
-      x = lu.solve(b);
-      return true;
-    }
-    const auto n = static_cast<std::size_t>(b.size());
-    const auto nonzeros = static_cast<std::size_t>(matrix->nonZeros());
-    x.setZero(b.size());
-    return options.fallback({.rows = static_cast<int>(n),
-                             .column_begin = {matrix->outerIndexPtr(), n + 1},
-                             .row_index = {matrix->innerIndexPtr(), nonzeros},
-                             .values = {matrix->valuePtr(), nonzeros}},
-                            {b.data(), n}, {x.data(), n});
+    if (!shifted) shifted.emplace(retry(ordering, shift));
+    return try_factors(search, Rung::shifted, shifted->factorization, shifted->outcome);
   }
 
   bool try_general(Search& search) {
-    matrix = sparse_matrix(first.symbolic(), first.matrix());
-    if (!options.fallback) {
-      lu.compute(*matrix);
-      if (lu.info() != Eigen::Success) {
-        note(search, Rung::threshold_pivoting, "the matrix is singular");
-        return false;
-      }
+    if (!general) general.emplace(sparse_matrix(first.symbolic(), first.matrix()), options.fallback);
+    auto result = general->solve(search.b, options.max_sweeps);
+    if (result.why.empty()) return judge(search, {Rung::threshold_pivoting, std::move(result.x), result.backward_error});
+    note(search, Rung::threshold_pivoting, result.why);
+    return false;
+  }
+
+  /// How far y^T A is from zero: largest |y^T A|_j over largest (|y|^T |A|)_j, each column being measured by its own
+  /// largest entry.
+  double remainder(const Eigen::VectorXd& y) const {
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(y.size()), magnitude = sum, size = sum;
+    each_matrix_block(first.symbolic(), [&](NodeId r, NodeId c, const BlockHandle& h) {
+      const Eigen::Map<const Eigen::MatrixXd> block(first.matrix().data() + h.offset, h.rows, h.columns);
+      const auto part = y.segment(graph.row(r), h.rows);
+      const Eigen::Index column = graph.row(c);
+      sum.segment(column, h.columns) += block.transpose() * part;
+      magnitude.segment(column, h.columns) += block.cwiseAbs().transpose() * part.cwiseAbs();
+      for (int j = 0; j < h.columns; ++j) size[column + j] = std::max(size[column + j], block.col(j).cwiseAbs().maxCoeff());
+    });
+    double left = 0, of = 0;
+    for (Eigen::Index j = 0; j < y.size(); ++j) {
+      if (!(size[j] > 0)) continue;
+      left = std::max(left, std::abs(sum[j]) / size[j]);
+      of = std::max(of, magnitude[j] / size[j]);
     }
-    Eigen::VectorXd x, residual, correction;
-    if (!solve_general(search.b, x)) {
-      note(search, Rung::threshold_pivoting, "the given solver failed");
-      return false;
-    }
-    double error = backward_error(*matrix, search.b, x, residual);
-    for (int sweep = 0; sweep < options.max_sweeps && error > 1e-16; ++sweep) {
-      if (!solve_general(residual, correction)) break;
-      const Eigen::VectorXd next = x + correction;
-      Eigen::VectorXd next_residual;
-      const double next_error = backward_error(*matrix, search.b, next, next_residual);
-      if (!better(next_error, error)) break;
-      x = next;
-      residual = next_residual;
-      error = next_error;
-    }
-    return judge(search, {Rung::threshold_pivoting, std::move(x), error});
+    return of > 0 ? left / of : 0;
   }
 
   /// Names the redundant rows whose right-hand sides contradict each other; empty: none.
@@ -229,7 +200,10 @@ struct RobustSolver::Impl {
     Eigen::VectorXd y(b.size());
     for (const auto& dropped : first.dropped_rows()) {
       first.dependency(dropped, {y.data(), static_cast<std::size_t>(y.size())});
-      if (!(std::abs(y.dot(b)) > consistent * y.cwiseAbs().dot(b.cwiseAbs()))) continue;
+      const double against = std::abs(y.dot(b)), size = y.cwiseAbs().dot(b.cwiseAbs());
+      if (!(against > consistent * size)) continue;
+      // Rows left out because rounding took what made them independent do not contradict anything.
+      if (!(against > certain * remainder(y) * size)) continue;
       std::string names;
       for (int k = 0; k < graph.size(); ++k) {
         const auto part = y.segment(graph.row({k}), graph.dimension({k}));
