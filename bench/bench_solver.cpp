@@ -22,7 +22,8 @@
 /// thread CPU time. Names are "table/problem/solver". Counters [us], per system: analysis_us (ordering included),
 /// write_us (getting new numbers to the solver; not counted with the others), refactor_us, solve_us, total_us (of the
 /// two), backward_error (componentwise, as the package leaves it), refined_error and sweeps (graphsolve: after
-/// refinement), fill (graphsolve: scalars of the factor over those of the matrix), nodes, rows. A solver that fails is
+/// refinement), fill (graphsolve: scalars of the factor over those of the matrix), rung (RobustSolver: enum Rung),
+/// nodes, rows. A solver that fails is
 /// an error with its reason. bench/tables.py prints the tables.
 namespace {
 
@@ -177,6 +178,8 @@ void race(benchmark::State& state, const Entry& entry, const Factory& factory) {
   state.counters["rows"] = problem.graph.rows() / entry.copies;
   if (auto* ours = dynamic_cast<bench::GraphsolveSolver*>(team.members.front().get()))
     report_graphsolve(state, *ours, problem, team.x);
+  if (auto* ours = dynamic_cast<bench::RobustGraphsolve*>(team.members.front().get()))
+    state.counters["rung"] = static_cast<int>(ours->report().rung);
 }
 
 using Solvers = std::vector<std::pair<std::string, Factory>>;
@@ -204,6 +207,15 @@ Solvers one_by_one(bench::Nodes nodes = bench::Nodes::as_given) {
   const std::string ending = nodes == bench::Nodes::merged ? " merged" : "";
   return ours({{"ldu" + ending, {.kind = graphsolve::FactorizationKind::ldu, .nodes = nodes}},
                {"ldlt" + ending, {.kind = graphsolve::FactorizationKind::ldlt, .nodes = nodes}}});
+}
+
+Solvers robust() {
+  Solvers list;
+  for (const auto& [name, kind] : {std::pair{"ldu", graphsolve::FactorizationKind::ldu}, std::pair{"ldlt", graphsolve::FactorizationKind::ldlt}})
+    list.emplace_back(std::string("graphsolve robust ") + name, [kind = kind](const graphsolve::BlockGraph& graph) {
+      return std::make_unique<bench::RobustGraphsolve>(graph, kind);
+    });
+  return list;
 }
 
 /// On the best instruction set, and on those a machine without it has.
@@ -234,7 +246,8 @@ void add(const std::string& table, const std::string& problem, const Entry& entr
 void add_all(const std::string& table, const Entry& entry) {
   const std::string problem = entry.real.empty() ? families::describe(entry.spec) : entry.real;
   add(table, problem, entry, one_by_one());
-  if (table != "hard" && table != "real") add(table, problem, entry, in_packs());
+  if (table == "hard" || table == "real") add(table, problem, entry, robust());
+  else add(table, problem, entry, in_packs());
   if (!entry.real.empty() || (table == "speed" && entry.spec.family == Family::grid))
     add(table, problem, entry, one_by_one(bench::Nodes::merged));
   Entry one = entry;

@@ -40,6 +40,12 @@ std::shared_ptr<const Symbolic> symbolic_for_packs(const BlockGraph& graph, Fact
   return cost(*wide) < cost(*narrow) ? wide : narrow;
 }
 
+std::vector<int> rows_as_given(int rows) {
+  std::vector<int> same(rows);
+  std::iota(same.begin(), same.end(), 0);
+  return same;
+}
+
 }  // namespace
 
 baselines::Status GraphsolveSolver::analyze(const Eigen::SparseMatrix<double>& a) {
@@ -66,12 +72,9 @@ baselines::Status GraphsolveSolver::analyze(const Eigen::SparseMatrix<double>& a
 }
 
 void GraphsolveSolver::write(std::span<const double> values) {
-  if (place_.empty()) {
-    std::vector<int> same(graph_.rows());
-    std::iota(same.begin(), same.end(), 0);
+  if (place_.empty())
     place_ = way_.nodes == Nodes::merged ? places(*pattern_, merged_.graph, merged_.row_of, symbolic())
-                                     : places(*pattern_, graph_, same, symbolic());
-  }
+                                         : places(*pattern_, graph_, rows_as_given(graph_.rows()), symbolic());
   factorization_->set_zero();
   const std::span<double> to = factorization_->values();
   for (std::size_t k = 0; k < values.size(); ++k) to[place_[k]] = values[k];
@@ -111,6 +114,28 @@ Factorization::Refinement GraphsolveSolver::refine(std::span<const double> b, st
   const auto refined = factorization_->refine(right_, x_, sweeps);
   for (std::size_t i = 0; i < b.size(); ++i) x[i] = x_[merged_.row_of[i]];
   return refined;
+}
+
+baselines::Status RobustGraphsolve::analyze(const Eigen::SparseMatrix<double>& a) {
+  solver_.emplace(graph_, RobustSolver::Options{.kind = kind_, .acceptable = 1e-15, .max_sweeps = 20});
+  place_ = places(a, graph_, rows_as_given(graph_.rows()), solver_->symbolic());
+  return {};
+}
+
+void RobustGraphsolve::write(std::span<const double> values) {
+  const std::span<double> to = solver_->values();
+  for (std::size_t k = 0; k < values.size(); ++k) to[place_[k]] = values[k];
+}
+
+baselines::Status RobustGraphsolve::refactor() {
+  (void)solver_->factorize();
+  return {};
+}
+
+baselines::Status RobustGraphsolve::solve(std::span<const double> b, std::span<double> x) {
+  report_ = solver_->solve(b, x);
+  if (report_.status == Status::solved) return {};
+  return {false, std::string(graphsolve::name(report_.status)) + ": " + report_.why};
 }
 
 }  // namespace bench

@@ -7,6 +7,7 @@
 #include "baselines/baselines.hpp"
 #include "graphsolve/block_graph.hpp"
 #include "graphsolve/factorization.hpp"
+#include "graphsolve/robust_solver.hpp"
 #include "graphsolve/simd/lanes.hpp"
 #include "graphsolve/supernodes.hpp"
 
@@ -60,6 +61,31 @@ class GraphsolveSolver final : public baselines::Baseline {
   std::vector<std::int64_t> place_;  ///< per entry of the matrix: its place in the factorization's values
   std::vector<double> right_, x_;    ///< in the numbering of the merged graph
   graphsolve::Factorization::Outcome outcome_;
+};
+
+/// RobustSolver behind the same interface: refined, on whatever rung it takes. `refactor` is its first rung, `solve` has
+/// the others.
+class RobustGraphsolve final : public baselines::Baseline {
+ public:
+  RobustGraphsolve(const graphsolve::BlockGraph& graph, graphsolve::FactorizationKind kind) : graph_(graph), kind_(kind) {}
+
+  [[nodiscard]] std::string_view name() const override { return "graphsolve robust"; }
+  [[nodiscard]] baselines::Demand demand() const override {
+    return kind_ == graphsolve::FactorizationKind::ldu ? baselines::Demand::any : baselines::Demand::symmetric;
+  }
+  [[nodiscard]] baselines::Status analyze(const Eigen::SparseMatrix<double>& a) override;
+  void write(std::span<const double> values) override;
+  [[nodiscard]] baselines::Status refactor() override;
+  [[nodiscard]] baselines::Status solve(std::span<const double> b, std::span<double> x) override;
+
+  [[nodiscard]] const graphsolve::RobustSolver::Report& report() const { return report_; }
+
+ private:
+  const graphsolve::BlockGraph& graph_;
+  graphsolve::FactorizationKind kind_;
+  std::optional<graphsolve::RobustSolver> solver_;
+  std::vector<std::int64_t> place_;  ///< per entry of the matrix: its place in the solver's values
+  graphsolve::RobustSolver::Report report_;
 };
 
 }  // namespace bench

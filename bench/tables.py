@@ -72,10 +72,11 @@ def print_table(title, header, rows):
 
 
 def ours(solvers, path=None):
-    """Those that solve it: all, or of one path, 'one by one' or 'in packs'; forced instruction sets are not among them."""
+    """Those that solve it: all, or of one path, 'one by one' or 'in packs'. Forced instruction sets are not among them,
+    nor RobustSolver, whose solve may hold a factorization."""
     forced = ("plain", "avx2", "avx512")
     return {name: run for name, run in solvers.items()
-            if name.startswith("graphsolve") and "error" not in run and not name.endswith(forced)
+            if name.startswith("graphsolve") and "error" not in run and not name.endswith(forced) and "robust" not in name
             and (path is None or ("packs" in name) == (path == "in packs"))}
 
 
@@ -205,7 +206,12 @@ def error_cell(run):
         return ""
     if "error" in run:
         return run["error"]
-    return f"{run.get('refined_error', run['backward_error']):.1e}"
+    return f"{run.get('refined_error', run['backward_error']):.1e}{rung(run)}"
+
+
+def rung(run):
+    """Which rung RobustSolver took, where it was not the first."""
+    return ["", ", reordered", ", shifted", ", threshold pivoting"][int(run.get("rung", 0))]
 
 
 def hard(runs, full):
@@ -231,6 +237,9 @@ def worst(members):
     failed = [run["error"] for run in members if "error" in run]
     errors = [run.get("refined_error", run["backward_error"]) for run in members if "error" not in run]
     text = f"{max(errors):.1e}" if errors else ""
+    later = [run for run in members if run.get("rung", 0) > 0]
+    if later:
+        text += f", {len(later)} by {', '.join(sorted({rung(run)[2:] for run in later}))}"
     return text + (f" {len(failed)} of {len(members)} failed ({failed[0]})" if failed else "")
 
 
