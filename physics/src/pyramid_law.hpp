@@ -126,20 +126,22 @@ class PyramidLaw : public PyramidImpulses<PyramidLaw<Facets>> {
     }
     bound_residual_ = (frozen_ ? frozen_bound_ : friction_ * normal_.z) - sum - bound_.z;
   }
-  /// Residuals, and of each pair the smaller side, as it is without the slack's own residual.
+  /// Residuals, and of each pair the smaller side as u and the impulses alone make it: gap u_n, psi = max(0, -min d_i.u),
+  /// eta_i = d_i.u + psi. (The slack psi can be off by a residual of one facet and so hide half of another's slip.)
   [[nodiscard]] double natural_error(double m) const {
     const double gap = std::abs(normal_residual_), bound = std::abs(bound_residual_) / m;
-    double largest = gap;
+    double largest = gap, psi = 0;
     const auto take = [&](double e) {
       graphsolve::keep_largest(largest, e);
     };
+    const auto slip = [&](int i) { return facet_[i].s + residual_[i] - bound_.s; };
+    for (int i = 0; i < facets(); ++i) psi = std::max(psi, -slip(i));
     take(bound);
     take(std::min(normal_.s + gap, normal_.z / m));
-    take(std::min(bound_.s, bound_.z / m + bound));
+    take(std::min(psi, bound_.z / m + bound));
     for (int i = 0; i < facets(); ++i) {
-      const double slack = std::abs(residual_[i]);
-      take(slack);
-      take(std::min(facet_[i].s + slack, facet_[i].z / m));
+      take(std::abs(residual_[i]));
+      take(std::min(slip(i) + psi, facet_[i].z / m));
     }
     return largest;
   }

@@ -144,14 +144,20 @@ void Evaluate(const ContactTask& task) {
 
 void NaturalError(ContactTask& task) {
   const ContactOctet& o = *task.octet;
-  const Pack lighter = Pack(1.0) / load(task.second);
+  const Pack lighter = Pack(1.0) / load(task.second), held = load(o.s[bound]);
+  Pack slip[facets], psi(0.0);
+  for (int i = 0; i < facets; ++i) {
+    slip[i] = load(o.s[1 + i]) + load(o.residual[1 + i]) - held;
+    psi = gs::max(psi, -slip[i]);
+  }
   Pack largest(0.0), product(0.0);
   const Pack off = gs::abs(load(o.residual[bound])) * lighter;
   for (int k = 0; k < pairs; ++k) {
     const Pack s = load(o.s[k]), z = load(o.z[k]), velocity = z * lighter;
     const Pack slack = k == bound ? off : gs::abs(load(o.residual[k]));
     keep_largest(largest, slack);
-    keep_largest(largest, k == bound ? gs::min(s, velocity + off) : gs::min(s + slack, velocity));
+    if (k == bound) keep_largest(largest, gs::min(psi, velocity + off));
+    else keep_largest(largest, gs::min(k == 0 ? s + slack : slip[k - 1] + psi, velocity));
     keep_largest(product, s * z);
   }
   store(largest, task.out);
