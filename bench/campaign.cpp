@@ -43,6 +43,9 @@ int main(int argc, char** argv) {
   std::string json;
   app.add_option("--steps", options.steps, "time steps in all")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--steps-of-scene", options.steps_of_scene, "at most, of one scene")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--first-scene", options.first_scene, "of each family, to look at one again")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   app.add_option("--seed", options.seed, "of the scenes")->capture_default_str();
   app.add_option("--tolerance", options.settings.tolerance, "[m/s]")->capture_default_str();
   app.add_option("--family", options.families, "only these");

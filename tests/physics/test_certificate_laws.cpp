@@ -73,6 +73,26 @@ TEST(CertificateOfJoints, TorqueAboutALockedAxisIsCaughtInTheDynamicsOnly) {
   EXPECT_GT(result.dynamics.value, 1e-6);
 }
 
+/// A constraint's torque is the gradient of what it locks, here by central differences. At a hinge that is open by 0.01 rad
+/// it has a component about the parent's axis, one about the child's, and none about their middle.
+TEST(CertificateOfJoints, TorqueOfAnOpenHingeIsTheGradientOfWhatItLocks) {
+  RecordedPendulum pendulum;
+  const physics::Joint& hinge = pendulum.mechanism.joints[0];
+  physics::Quat& child = pendulum.before.bodies[0].orientation;
+  child = about(Vec3::UnitX(), 0.005) * child;  // the parent is the world, the axis y
+  const auto locked = [&](const Vec3& turn) {
+    return 2 * (physics::Quat(1, turn.x() / 2, turn.y() / 2, turn.z() / 2) * child * hinge.orientation.conjugate()).z();
+  };
+  Vec3 torque;
+  for (int k = 0; k < 3; ++k) torque[k] = (locked(1e-5 * Vec3::Unit(k)) - locked(-1e-5 * Vec3::Unit(k))) / 2e-5;
+  ASSERT_GT(std::abs(torque.y()), 0.004);
+  pendulum.after.joints[0].torque = torque;
+  const double allowed = 1e-9;  // of the differences
+  EXPECT_LE(pendulum.judge().wrench.value, allowed);
+  pendulum.after.joints[0].torque += Vec3(0, 1e-3, 0);
+  EXPECT_GT(pendulum.judge().wrench.value, 1e-6);
+}
+
 TEST(CertificateOfJoints, OpenedJointIsCaught) {
   RecordedPendulum pendulum;
   pendulum.after.bodies[0].position.z() += 1e-6;

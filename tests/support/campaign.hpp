@@ -41,6 +41,7 @@ physics::Mechanism scene(const Family& family, std::uint64_t seed, int index);
 struct Options {
   int steps = 100'000;  ///< in all, shared equally by the families
   int steps_of_scene = 200;
+  int first_scene = 0;  ///< of each family
   std::uint64_t seed = 1;
   bool certify = true;  ///< judge every step by the certificate
   std::vector<std::string> families;  ///< only these; empty: all

@@ -49,7 +49,16 @@ double target(const physics::Motor& motor, double time) {
   return table->back().second;
 }
 
-Vec3 world_axis(const Step& step, const Joint& joint) { return step.old_at(joint.parent).r * joint.axis.normalized(); }
+/// The direction at the old pose in which the joint lets its child move. Of a hinge that is open by a small rotation e
+/// (at the tolerance all are) it lies half way between the parent's axis and the child's: turning about no other
+/// direction keeps the locked components of vec(e), and a constraint pushes along what it locks.
+Vec3 world_axis(const Step& step, const Joint& joint) {
+  const Placement &parent = step.old_at(joint.parent), &child = step.old_at(joint.child);
+  const Vec3 axis = joint.axis.normalized();
+  if (joint.type != JointType::revolute) return parent.r * axis;
+  const Turn e = relative(joint, parent, child).turn;
+  return (parent.r * (axis + matrix(e) * axis)).normalized();
+}
 
 /// An impulse on the child at its joint point, at the old pose, and its opposite on the parent: at the parent's own
 /// joint point, where the two are locked together (they are apart by the joint's error, which times the force counts
