@@ -205,6 +205,19 @@ TEST_F(MatrixCommand, BlocksWronglyCalledRegularAreSolvedByTheRobustChainAloud) 
   EXPECT_NE(outcome.out.find("robust: "), std::string::npos) << outcome.out;
 }
 
+TEST_F(MatrixCommand, InputWithoutAnEndIsRefused) {
+  if (!fs::exists("/dev/zero")) GTEST_SKIP() << "no /dev/zero here";
+  const std::string banner = "%%MatrixMarket matrix coordinate real general\n";
+  write("long.mtx", banner + "2 2 2\n" + std::string(200'000, '1') + "\n");
+  write("zero.mtx", banner + "2 2 2\n1 1 1\n" + std::string(1, '\0') + "2 2 1\n");
+  EXPECT_EQ(refused("solve /dev/zero"), "graphsolve: /dev/zero:1: holds a zero byte: this is no text\n");
+  EXPECT_EQ(refused("solve long.mtx"), "graphsolve: long.mtx:3: the line is longer than 65536 characters\n");
+  EXPECT_EQ(refused("analyze zero.mtx"), "graphsolve: zero.mtx:4: holds a zero byte: this is no text\n");
+  const Outcome endless = run("solve /dev/stdin", "tr '\\0' x </dev/zero |");
+  EXPECT_EQ(endless.code, 2);
+  EXPECT_EQ(endless.err, "graphsolve: /dev/stdin:1: the line is longer than 65536 characters\n");
+}
+
 TEST_F(MatrixCommand, WrongInputIsNamedWithFileLineAndValue) {
   write("a.mtx", 3, line(3, Shape::chain));
   write("bad.mtx", "%%MatrixMarket matrix coordinate real general\n2 2 1\n3 1 1\n");

@@ -202,11 +202,11 @@ TEST(SceneErrors, FilesThatCannotBeReadAreNamed) {
     }
     return std::string();
   };
-  EXPECT_EQ(error("no/such.json"), "cannot read 'no/such.json': No such file or directory");
+  EXPECT_EQ(error("no/such.json"), "no/such.json: cannot be read: No such file or directory");
   EXPECT_EQ(error("scene.yaml"), "cannot read 'scene.yaml': a scene file ends in .json or .toml");
   const auto folder = std::filesystem::path(testing::TempDir()) / "graphsolve_folder.json";
   std::filesystem::create_directories(folder);
-  EXPECT_EQ(error(folder.string()), "cannot read '" + folder.string() + "': Is a directory");
+  EXPECT_EQ(error(folder.string()), folder.string() + ": cannot be read: it is a folder");
   std::filesystem::remove(folder);
 }
 

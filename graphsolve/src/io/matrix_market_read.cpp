@@ -11,6 +11,8 @@ std::size_t room(const Lines& lines, const Header& header) {
   return static_cast<std::size_t>(std::min<std::uint64_t>(header.entries, lines.size() / 2 + 1));
 }
 
+constexpr std::size_t longest_line = 1 << 16;
+
 double mirrored(Symmetry symmetry, double value) { return symmetry == Symmetry::skew_symmetric ? -value : value; }
 
 }  // namespace
@@ -44,7 +46,7 @@ MatrixFile parse_matrix_market(std::string_view text, std::string_view name) {
   return file;
 }
 
-MatrixFile read_matrix_market(const std::string& path) { return parse_matrix_market(read_text(path), path); }
+MatrixFile read_matrix_market(const std::string& path) { return parse_matrix_market(read_text(path, longest_line), path); }
 
 DenseMatrix parse_dense_matrix_market(std::string_view text, std::string_view name) {
   Lines lines(text, name);
@@ -67,7 +69,7 @@ DenseMatrix parse_dense_matrix_market(std::string_view text, std::string_view na
 }
 
 DenseMatrix read_dense_matrix_market(const std::string& path) {
-  return parse_dense_matrix_market(read_text(path), path);
+  return parse_dense_matrix_market(read_text(path, longest_line), path);
 }
 
 }  // namespace graphsolve::io

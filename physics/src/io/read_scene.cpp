@@ -1,10 +1,6 @@
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <memory>
-
+#include "graphsolve/io/matrix_market.hpp"
 #include "io/read.hpp"
 #include "physics/scene_io.hpp"
 
@@ -29,16 +25,11 @@ Trajectory read_document(const io::Document& document, std::string_view file) {
 }
 
 std::string read_file(const std::string& path) {
-  const auto fail = [&path] {
-    throw DescriptionError(fmt::format("cannot read '{}': {}", path, std::strerror(errno)));
-  };
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
-  if (!file) fail();
-  std::string text;
-  char buffer[1 << 16];
-  while (const std::size_t read = std::fread(buffer, 1, sizeof buffer, file.get())) text.append(buffer, read);
-  if (std::ferror(file.get())) fail();
-  return text;
+  try {
+    return graphsolve::io::read_text(path);
+  } catch (const graphsolve::io::FileError& error) {
+    throw DescriptionError(error.what());
+  }
 }
 
 }  // namespace

@@ -28,7 +28,8 @@ struct MatrixFile {
 /// may stand anywhere after the first line.
 /// Throws FileError: no such file, a line that is no entry, an index or a number out of range, too few or too many
 /// entries, entries above the diagonal of a symmetric file, sizes beyond 2^31 - 1, and sizes that no file of this
-/// length can fill (more than 64 rows or columns per byte), so that a wrong size line does not eat the memory.
+/// length can fill (more than 64 rows or columns per byte), so that a wrong size line does not eat the memory; also what
+/// read_text refuses, with lines of at most 65536 characters (the format allows 1024).
 MatrixFile read_matrix_market(const std::string& path);
 /// The same from text; `name` is what errors call it.
 MatrixFile parse_matrix_market(std::string_view text, std::string_view name = "matrix.mtx");
@@ -57,7 +58,8 @@ std::string matrix_market(std::span<const double> values, int rows, std::string_
 
 /// Writes text beside the file and renames it when complete: the file is never half written. Throws FileError.
 void write_text(std::string_view text, const std::string& path);
-/// Throws FileError when the file cannot be read.
-std::string read_text(const std::string& path);
+/// Throws FileError when the file cannot be read, is no text (a zero byte), has a line that goes on and on (longest_line
+/// characters pass, twice as many may not), or is no ordinary file and longer than 2^30 bytes.
+std::string read_text(const std::string& path, std::size_t longest_line = std::string::npos);
 
 }  // namespace graphsolve::io
