@@ -7,6 +7,7 @@
 #include "commands.hpp"
 #include "graphsolve/io/draw.hpp"
 #include "matrix_source.hpp"
+#include "outputs.hpp"
 #include "physics/scene_io.hpp"
 #include "physics/simulator.hpp"
 #include "scene_source.hpp"
@@ -52,8 +53,8 @@ std::string tree_file(const std::string& path) {
 
 int analyze(const Options& options) {
   const std::vector<OrderingMethod> methods = chosen_methods(options.ordering);
-  for (const std::string& path : {options.json, options.svg, options.dot})
-    if (!path.empty()) physics::check_writable(path);
+  const std::string tree = options.dot.empty() ? "" : tree_file(options.dot);
+  check_outputs({{"--json", options.json}, {"--svg", options.svg}, {"--dot", options.dot}, {"the tree of --dot", tree}});
   AnalyzeReport report{.source = options.source};
   if (options.source.ends_with(".mtx")) {
     const MatrixSource matrix = load_matrix(options.source, options.blocks);
@@ -75,7 +76,7 @@ int analyze(const Options& options) {
   if (!options.svg.empty()) physics::write_text_file(as_svg(report), options.svg);
   if (!options.dot.empty()) {
     physics::write_text_file(io::graph_dot(report.graph), options.dot);
-    physics::write_text_file(io::tree_dot(report.graph, *report.best().symbolic), tree_file(options.dot));
+    physics::write_text_file(io::tree_dot(report.graph, *report.best().symbolic), tree);
   }
   return all_solved;
 }

@@ -9,6 +9,7 @@
 #include "commands.hpp"
 #include "interrupt.hpp"
 #include "options.hpp"
+#include "outputs.hpp"
 #include "physics/run.hpp"
 #include "physics/scene_io.hpp"
 #include "progress.hpp"
@@ -142,8 +143,7 @@ int finish(const Options& options, const physics::Simulator& simulator, const ph
 }
 
 int simulate(const Options& options) {
-  if (!options.out.empty() && options.out == options.summary)
-    throw DescriptionError(fmt::format("--out and --summary are the same file '{}'", options.out));
+  check_outputs({{"--out", options.out}, {"--summary", options.summary}});
   SceneSource source = load_scene(options.scene);
   change(source.trajectory.mechanism, options);
   const physics::StepRecord* from =
@@ -152,7 +152,6 @@ int simulate(const Options& options) {
   physics::Simulator simulator = make_simulator(source, options);
   if (from) simulator.restart_from(*from);
 
-  if (!options.summary.empty()) physics::check_writable(options.summary);
   std::optional<physics::TrajectoryWriter> writer;
   physics::RunOptions run_options;
   if (!options.out.empty()) {

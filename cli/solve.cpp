@@ -6,6 +6,7 @@
 
 #include "analyze_report.hpp"
 #include "commands.hpp"
+#include "outputs.hpp"
 #include "physics/mechanism.hpp"
 #include "physics/scene_io.hpp"
 #include "solve_engine.hpp"
@@ -80,7 +81,7 @@ void print_attempts(const SolveResult& result) {
 
 int solve(const Options& options) {
   const SolveRequest wanted{parse_method(options.ordering), parse_kind(options.factorization)};
-  if (!options.out.empty()) physics::check_writable(options.out);
+  check_outputs({{"--out", options.out}});
   const MatrixSource source = load_matrix(options.matrix, options.blocks);
   const io::DenseMatrix b = right_hand_side(options, source.file.matrix);
   if (wanted.kind && *wanted.kind != FactorizationKind::ldu && !source.blocks.symmetric)

@@ -1,0 +1,35 @@
+#include "outputs.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "physics/scene_io.hpp"
+
+namespace cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// However it is spelled. Devices can be written to twice.
+bool same_file(const std::string& a, const std::string& b) {
+  if (a.starts_with("/dev/")) return false;
+  std::error_code error;
+  return a == b || fs::weakly_canonical(fs::absolute(a), error) == fs::weakly_canonical(fs::absolute(b), error);
+}
+
+}  // namespace
+
+void check_outputs(const std::vector<Output>& outputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    const auto& [option, path] = outputs[i];
+    if (path.empty()) continue;
+    for (std::size_t j = 0; j < i; ++j)
+      if (!outputs[j].path.empty() && same_file(outputs[j].path, path))
+        throw physics::DescriptionError(fmt::format("{} and {} are the same file '{}'", outputs[j].option, option, path));
+    physics::check_writable(path);
+  }
+}
+
+}  // namespace cli

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace cli {
+
+/// A file that a command is to write; an empty path: it was not asked for.
+struct Output {
+  std::string option, path;
+};
+
+/// Before the work begins: throws DescriptionError when one of them cannot be written, or would overwrite another.
+void check_outputs(const std::vector<Output>& outputs);
+
+}  // namespace cli
