@@ -119,6 +119,7 @@ RolloutRequest make_request(const Options& options) {
     const auto& v = request.variations.emplace_back(physics::parse_variation(text));
     for (std::size_t i = 0; i + 1 < request.variations.size(); ++i)
       if (request.variations[i].key == v.key) throw DescriptionError(fmt::format("vary '{}' is given twice", v.key));
+    physics::check_variation(request.mechanism, v);
   }
   return request;
 }

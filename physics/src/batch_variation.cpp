@@ -54,7 +54,8 @@ bool take_ending(std::string_view& text, std::string_view ending) {
 void set_friction(Contact& contact, std::string_view key, double value) {
   if (!(contact.friction.value_or(0) > 0))
     throw DescriptionError(fmt::format("vary '{}': contact '{}' has no friction to vary", key, contact.name));
-  if (!(value > 0)) throw DescriptionError(fmt::format("vary '{}': friction {} is not > 0", key, value));
+  // Without friction a contact is another law.
+  if (!(value > 0)) throw DescriptionError(fmt::format("contact '{}': friction {} is not > 0", contact.name, value));
   contact.friction = value;
 }
 
@@ -119,6 +120,19 @@ std::vector<double> draw(std::span<const Variation> variations, std::uint64_t se
   return values;
 }
 
+void check_variation(const Mechanism& mechanism, const Variation& variation) {
+  for (const double bound : {variation.low, variation.high}) {
+    Mechanism copy = mechanism;
+    try {
+      set_value(copy, variation.key, bound);
+      validate(copy);
+    } catch (const DescriptionError& error) {
+      if (std::string_view(error.what()).starts_with("vary ")) throw;  // the key, not the value
+      throw DescriptionError(fmt::format("vary '{}': the bound {} will not do: {}", variation.key, bound, error.what()));
+    }
+  }
+}
+
 void set_value(Mechanism& mechanism, std::string_view key, double value) {
   std::string_view rest = key;
   if (key == "friction") {
@@ -131,6 +145,7 @@ void set_value(Mechanism& mechanism, std::string_view key, double value) {
   } else if (key == "gravity") {
     const double now = mechanism.gravity.norm();
     if (!(now > 0)) throw DescriptionError("vary 'gravity': the scene has none, so it has no direction");
+    if (!(value >= 0)) throw DescriptionError(fmt::format("scene: gravity {} m/s^2 is not >= 0", value));
     mechanism.gravity *= value / now;
   } else if (key.starts_with("start.")) {
     set_start(mechanism, key, key.substr(6), value);

@@ -167,7 +167,19 @@ TEST_F(Rollout, WrongInputIsOneSentence) {
   EXPECT_EQ(refused("disc --copies 2 --steps 3 --shard 2/2"), "graphsolve: shard '2/2' is not I/N with 0 <= I < N\n");
   EXPECT_EQ(refused("disc --copies 2 --steps 3 --vary friction=1"), "graphsolve: vary 'friction=1' is not KEY=LOW:HIGH\n");
   EXPECT_EQ(refused("disc --copies 2 --steps 3 --vary wheel.mass=1:2"),
-            "graphsolve: copy 0: vary 'wheel.mass': the scene has no body 'wheel'\n");
+            "graphsolve: vary 'wheel.mass': the scene has no body 'wheel'\n");
+  // Bounds are tried before any copy: most copies of these would pass.
+  EXPECT_EQ(refused("box_on_slope --copies 99 --steps 3 --vary friction=-1e-9:1"),
+            "graphsolve: vary 'friction': the bound -1e-09 will not do: contact 'corner 0': friction -1e-09 is not > 0\n");
+  EXPECT_EQ(refused("hopper --copies 99 --steps 3 --vary x.stiffness=1:1e999"),
+            "graphsolve: vary 'x.stiffness=1:1e999': '1e999' is not a number\n");
+  EXPECT_NE(refused("quadruped --copies 99 --steps 3 --vary 'front left hip joint.stiffness=-1e-9:1'")
+                .find("the bound -1e-09 will not do: revolute joint 'front left hip joint': "),
+            std::string::npos);
+  EXPECT_EQ(refused("disc --copies 99 --steps 3 --vary mass=-1e-9:1"),
+            "graphsolve: vary 'mass': the bound -1e-09 will not do: body 'disc': mass -1e-09 kg is not > 0\n");
+  EXPECT_EQ(refused("disc --copies 99 --steps 3 --vary gravity=-1e-9:1"),
+            "graphsolve: vary 'gravity': the bound -1e-09 will not do: scene: gravity -1e-09 m/s^2 is not >= 0\n");
   EXPECT_NE(refused("disc --copies 2 --steps 3 --vary colour=1:2").find("vary 'colour': unknown key; there are: friction"),
             std::string::npos);
   EXPECT_NE(refused("disc --copies 0 --steps 3").find("must be a whole number >= 1, not 0"), std::string::npos);
@@ -180,7 +192,7 @@ TEST_F(Rollout, WrongInputIsOneSentence) {
   if (fs::exists("/dev/zero")) {
     EXPECT_NE(refused("disc --copies 2 --steps 3 --out /dev/zero").find("only an ordinary file"), std::string::npos);
   }
-  EXPECT_NE(refused("snake --copies 5 --steps 3 --out a.jsonl --vary start.link1.position.x=5:6").find("copy 0: "),
+  EXPECT_NE(refused("snake --copies 5 --steps 3 --out a.jsonl --vary 'start.link 1.position.x=5:6'").find("copy 0: joint 'joint 0': "),
             std::string::npos);
   EXPECT_NE(refused("--merge nothing.jsonl --out a").find("cannot read 'nothing.jsonl'"), std::string::npos);
 }

@@ -36,6 +36,10 @@ double uniform(std::uint64_t seed, long long copy, std::string_view key);
 /// The value of each variation for a copy.
 std::vector<double> draw(std::span<const Variation> variations, std::uint64_t seed, long long copy);
 
+/// Throws DescriptionError, naming the bound, when the scene has no such number, or is no valid scene with the lowest or
+/// the highest value. (What start positions leave open is found when a Simulator takes the scene.)
+void check_variation(const Mechanism& mechanism, const Variation& variation);
+
 /// Sets the number that the key names. Throws DescriptionError when the scene has no such thing.
 void set_value(Mechanism& mechanism, std::string_view key, double value);
 
