@@ -169,7 +169,11 @@ TEST_F(Cli, WrongOptionsAreRefusedInOneLine) {
 
 TEST_F(Cli, WrongScenesAreRefusedInOneLine) {
   EXPECT_NE(refused("simulate nosuch --out t.json").find("no built-in scene 'nosuch'"), std::string::npos);
-  EXPECT_NE(refused("simulate nosuch.json").find("cannot read 'nosuch.json'"), std::string::npos);
+  EXPECT_NE(refused("simulate nosuch.json").find("nosuch.json: cannot be read: No such"), std::string::npos);
+  if (fs::exists("/dev/zero")) {
+    fs::create_symlink("/dev/zero", path("zero.toml"));
+    EXPECT_EQ(refused("simulate zero.toml"), "graphsolve: zero.toml:1: holds a zero byte: this is no text\n");
+  }
   write("a.json", "{\n  \"format\": 3\n}");
   EXPECT_EQ(refused("simulate a.json --out t.json"), "graphsolve: a.json:2: format: is a number, expected text\n");
   write("b.toml",
@@ -189,6 +193,26 @@ TEST_F(Cli, PathsThatCannotBeWrittenAreRefusedBeforeSimulating) {
   EXPECT_EQ(refused("simulate disc --out t.json --summary no/s.json"),
             "graphsolve: cannot write 'no/s.json': No such directory\n");
   EXPECT_NE(refused("simulate disc --out t.txt").find("ends in .json or .csv"), std::string::npos);
+}
+
+TEST_F(Cli, OutputsInOneFileAreRefusedHoweverItIsSpelled) {
+  EXPECT_EQ(refused("simulate disc --out t.json --summary ./t.json"),
+            "graphsolve: --out and --summary are the same file './t.json'\n");
+  EXPECT_EQ(refused("analyze disc --json x --dot x"), "graphsolve: --json and --dot are the same file 'x'\n");
+  EXPECT_EQ(refused("analyze disc --svg " + path("x") + " --json x"),
+            "graphsolve: --json and --svg are the same file '" + path("x") + "'\n");
+  EXPECT_EQ(refused("analyze disc --svg x-tree.dot --dot x.dot"),
+            "graphsolve: --svg and the tree of --dot are the same file 'x-tree.dot'\n");
+}
+
+TEST_F(Cli, AnInstructionSetThatIsNoneIsRefused) {
+  for (const char* command : {"simulate disc --steps 1", "rollout disc --copies 3 --steps 1 --threads 2"}) {
+    const Outcome wrong = run(command, "GRAPHSOLVE_SIMD=avx1024");
+    EXPECT_EQ(wrong.code, 2);
+    EXPECT_EQ(wrong.err, "graphsolve: GRAPHSOLVE_SIMD is 'avx1024'; there are: plain, avx2, avx512\n");
+    for (const char* right : {"GRAPHSOLVE_SIMD=plain", "GRAPHSOLVE_SIMD=avx512", "GRAPHSOLVE_SIMD="})
+      EXPECT_EQ(run(command, right).code, 0) << right;
+  }
 }
 
 TEST_F(Cli, AFullDiskIsSaidAndGivesCodeTwo) {

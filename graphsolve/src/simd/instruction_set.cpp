@@ -37,15 +37,21 @@ void choose(InstructionSet set) {
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }
 
+/// The most that the environment allows.
+InstructionSet allowed() {
+  const char* wanted = std::getenv("GRAPHSOLVE_SIMD");
+  if (!wanted || !*wanted) return InstructionSet::avx512;
+  for (const InstructionSet set : all)
+    if (name(set) == wanted) return set;
+  throw std::invalid_argument("GRAPHSOLVE_SIMD is '" + std::string(wanted) + "'; there are: plain, avx2, avx512");
+}
+
 InstructionSet& chosen() {
   static InstructionSet set = [] {
     InstructionSet best = InstructionSet::plain;
-    const char* wanted = std::getenv("GRAPHSOLVE_SIMD");
+    const InstructionSet most = allowed();
     for (const InstructionSet candidate : all)
-      if (runs(candidate)) {
-        best = candidate;
-        if (wanted && name(candidate) == wanted) break;
-      }
+      if (candidate <= most && runs(candidate)) best = candidate;
     choose(best);
     return best;
   }();

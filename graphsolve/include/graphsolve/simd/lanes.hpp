@@ -20,8 +20,9 @@ std::string_view name(InstructionSet set);
 /// What this machine can run, plain first.
 std::vector<InstructionSet> instruction_sets();
 
-/// The one in use: the best, unless the environment variable GRAPHSOLVE_SIMD says plain, avx2 or avx512, or
-/// use_instruction_set was called.
+/// The one in use: the best that the machine can run, but none beyond the one that the environment variable
+/// GRAPHSOLVE_SIMD names, unless use_instruction_set was called. Whatever computes asks first: so where the variable holds
+/// another word (nothing counts as unset), this and constructors of Factorization throw std::invalid_argument.
 InstructionSet instruction_set();
 
 /// For the whole process, for tests and comparison; not while another thread computes. Throws
