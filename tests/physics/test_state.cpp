@@ -46,6 +46,45 @@ void expect_same(const StepRecord& found, const StepRecord& expected, double tol
   EXPECT_EQ(found.solver->substeps, expected.solver->substeps);
 }
 
+/// A wheel driven after a sine, and, where it is to be disturbed, a top so fast that the first step needs substeps.
+Mechanism driven_wheel(double time_step, bool with_top) {
+  Mechanism scene;
+  scene.time_step = time_step;
+  scene.start = Start::half_kick;
+  Body body;
+  body.name = "wheel";
+  body.mass = 2;
+  body.inertia = 0.02 * Mat3::Identity();
+  Joint hub;
+  hub.name = "hub";
+  hub.type = JointType::revolute;
+  hub.child = scene.add(body);
+  hub.motor = Motor{.stiffness = 50, .damping = 0.7, .limit = 1e3, .target = SineTarget{.amplitude = 1, .frequency = 8}};
+  scene.add(hub);
+  if (!with_top) return scene;
+  body.name = "top";
+  body.position.x() = 5;
+  body.angular_velocity = {0, 0, 1.2 / time_step};
+  scene.add(body);
+  return scene;
+}
+
+TEST(State, AMotorsTargetMovesWithinSubsteps) {
+  constexpr double dt = 0.01;
+  Simulator disturbed(driven_wheel(dt, true));
+  const StepResult result = disturbed.step();
+  ASSERT_TRUE(result.ok());
+  ASSERT_GT(result.substeps, 1) << "the test shows nothing";
+  Simulator alone(driven_wheel(dt / result.substeps, false));
+  for (int k = 0; k < result.substeps; ++k) ASSERT_TRUE(alone.step().ok());
+  StepRecord found, expected;
+  disturbed.write_record(found);
+  alone.write_record(expected);
+  EXPECT_NEAR(found.bodies[0].angular_velocity.z(), expected.bodies[0].angular_velocity.z(), 1e-9);
+  EXPECT_NEAR(*found.joints[0].effort, *expected.joints[0].effort, 1e-7);
+  EXPECT_GT(std::abs(*found.joints[0].effort), 1);
+}
+
 TEST(State, AFailedStepLeavesTheWholeRecordAsItWas) {
   for (const char* name : {"sliding_box", "sliding_box:model=pyramid", "disc:c=4,height=0.01", "snake:n=3", "quadruped",
                            "pendulum:n=3", "tumbling_box:mu=0"}) {
