@@ -70,6 +70,47 @@ bool is_singular(const Diagnosis& diagnosis, const Factorization::Outcome& outco
   return outcome.dropped_rows > 0 || !(diagnosis.smallest_singular > rounding);
 }
 
+/// Smallest singular value of the matrix after rows and columns were scaled to largest entries near 1, so that units do
+/// not matter: an upper bound by inverse iteration with the factors. Pivots that only rounding left positive show here.
+double smallest_scaled_singular(const SparseMatrix& a, const BlockStructure& blocks, const Factorization& factor) {
+  std::vector<double> row(a.rows, 1.0), column(a.rows, 1.0), v(a.rows), scratch(a.rows);
+  for (int pass = 0; pass < 5; ++pass) {
+    std::vector<double> in_row(a.rows, 0.0), in_column(a.rows, 0.0);
+    for (int j = 0; j < a.columns; ++j)
+      for (std::int64_t k = a.begin[j]; k < a.begin[j + 1]; ++k) {
+        const double size = row[a.row[k]] * std::abs(a.value[k]) * column[j];
+        in_row[a.row[k]] = std::max(in_row[a.row[k]], size);
+        in_column[j] = std::max(in_column[j], size);
+      }
+    for (int i = 0; i < a.rows; ++i) {
+      if (in_row[i] > 0) row[i] /= std::sqrt(in_row[i]);
+      if (in_column[i] > 0) column[i] /= std::sqrt(in_column[i]);
+    }
+  }
+  const auto normalize = [&] {
+    double squared = 0;
+    for (const double x : v) squared += x * x;
+    for (double& x : v) x /= std::sqrt(squared);
+    return std::sqrt(squared);
+  };
+  const auto divide = [&](const std::vector<double>& by) {
+    for (int i = 0; i < a.rows; ++i) v[i] /= by[i];
+  };
+  for (int i = 0; i < a.rows; ++i) v[i] = 1 + 0.5 * std::sin(2.3 * i);
+  double lengthened = 0;
+  for (int sweep = 0; sweep < 2; ++sweep)
+    for (const bool transposed : {true, false}) {
+      normalize();
+      divide(transposed ? column : row);
+      blocks.to_graph(v, scratch);
+      transposed ? factor.solve_transposed(scratch) : factor.solve(scratch);
+      blocks.to_matrix(scratch, v);
+      divide(transposed ? row : column);
+      lengthened = normalize();
+    }
+  return 1 / lengthened;
+}
+
 /// The lines of graphsolve's own diagnosis.
 void explain(const Run& run, const Diagnosis& diagnosis) {
   const std::string text = to_string(diagnosis);
@@ -118,9 +159,12 @@ bool try_graph(const Run& run, const std::shared_ptr<const Symbolic>& symbolic, 
     }
     attempt.solve_seconds = cpu_seconds() - factored;
     judge(run, attempt);
-    if (attempt.outcome.dropped_rows + attempt.outcome.boosts > 0) {
+    const bool doubtful = attempt.outcome.dropped_rows + attempt.outcome.boosts > 0;
+    const bool by_rounding = !doubtful && smallest_scaled_singular(run.source.file.matrix, run.source.blocks, factor) <=
+                                              5e-16 * std::sqrt(static_cast<double>(run.rows()));
+    if (doubtful || by_rounding) {
       const Diagnosis diagnosis = diagnose(run.source.blocks.graph, factor, attempt.outcome);
-      if (is_singular(diagnosis, attempt.outcome)) explain(run, diagnosis);
+      if (by_rounding || is_singular(diagnosis, attempt.outcome)) explain(run, diagnosis);
     }
   }
   run.result.attempts.push_back(attempt);

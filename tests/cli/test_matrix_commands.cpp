@@ -186,6 +186,34 @@ TEST_F(MatrixCommand, SolveNamesTheBlocksOfASingularMatrixAndExitsWithOne) {
   EXPECT_EQ(run("solve equal.mtx").code, 1);
 }
 
+// The constant vector solves A v = 0; what rounding leaves of the last pivot is as often positive as not. Wide units do
+// not make the same network singular once one node is held.
+TEST_F(MatrixCommand, ANetworkThatNothingHoldsIsSingularWhateverRoundingMakesOfIt) {
+  for (int seed = 1; seed <= 10; ++seed) {
+    const int n = 30;
+    std::vector<double> diagonal(n, 0.0);
+    std::vector<graphsolve::Triplet> entries;
+    const auto connect = [&](int i, int j) {
+      const double conductance = 1 + 0.7 * std::sin(1.3 * i + 0.37 * j * seed);
+      entries.push_back({i, j, -conductance});
+      entries.push_back({j, i, -conductance});
+      diagonal[i] += conductance;
+      diagonal[j] += conductance;
+    };
+    for (int i = 0; i < n; ++i) connect(i, (i + 1) % n), connect(i, (i + 7) % n);
+    for (int i = 0; i < n; ++i) entries.push_back({i, i, diagonal[i]});
+    write("free.mtx", n, entries);
+    const Outcome outcome = run("solve free.mtx");
+    EXPECT_EQ(outcome.code, 1) << seed << outcome.out;
+    EXPECT_NE(outcome.err.find("free.mtx: the matrix is singular"), std::string::npos) << outcome.err;
+    entries.back().value += 1;
+    const auto unit = [&](int i) { return std::pow(10.0, 12 * std::sin(2.0 * i)); };
+    for (auto& entry : entries) entry.value *= unit(entry.row) * unit(entry.column);
+    write("held.mtx", n, entries);
+    EXPECT_EQ(run("solve held.mtx").code, 0) << seed;
+  }
+}
+
 TEST_F(MatrixCommand, WhatCholeskyCannotDoLdltDoesAndBothAreReported) {
   write("a.mtx", 2, {{0, 0, 1}, {1, 1, 1}, {0, 1, 2}, {1, 0, 2}});
   write("sizes.txt", "1 1\n");
