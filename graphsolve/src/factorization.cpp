@@ -28,12 +28,17 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
   first_row_.assign(s.pivots(), 0);
   dropped_.reserve(s.rows());
   equal_.assign(s.pivots(), 0);
-  int largest = 0, spread = 0;
+  group_.assign(s.pivots(), 1);
+  int largest = 0, spread = 0, next_group = 0;
   for (int k = 0, row = 0; k < s.pivots(); ++k) {
     first_row_[k] = row;
     if (s.may_depend(k)) uncertain_.push_back(k);
     equal_[k] = static_cast<char>(equal_couplings(s, k));
     spread = std::max(spread, spread_size(s, k));
+    if (k == next_group) {
+      if (equal_[k] > 0) group_[k] = static_cast<char>(group_size(s, k, equal_[k]));
+      next_group = k + group_[k];
+    }
     row += s.dimension(k);
     largest = std::max(largest, s.dimension(k));
   }
@@ -145,13 +150,18 @@ double Factorization::largest_of(int k) const {
 
 void Factorization::factorize_range(int begin, int end, Outcome& outcome) {
   prepare_range(begin, end);
-  for (int k = begin; k < end && outcome.ok(); ++k) eliminate_alone(k, outcome);
+  for (int k = begin; k < end && outcome.ok(); k += group_[k])
+    group_[k] > 1 ? eliminate_group(k, group_[k], outcome) : eliminate_alone(k, outcome);
 }
 
 void Factorization::eliminate_alone(int k, Outcome& outcome) {
+  begin_alone(k, outcome);
+  if (factorize_pivot(k, outcome)) eliminate(k, outcome);
+}
+
+void Factorization::begin_alone(int k, Outcome& outcome) {
   if (any_packed_) packed_->set_alone(k);
   if (keep_matrix_ && largest_entry_ > 0) outcome.growth = std::max(outcome.growth, largest_of(k) / largest_entry_);
-  if (factorize_pivot(k, outcome)) eliminate(k, outcome);
 }
 
 /// Which row of the block ended at a place beyond its rank.

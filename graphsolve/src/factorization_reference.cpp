@@ -34,15 +34,20 @@ void Factorization::start_panel_reference(int k) {
   double* reference = panel_reference_.data() + first_row_[k];
   std::fill_n(reference, d, 0.0);
   if (symmetric()) {  // the blocks right of it need not have been filled
-    const double* column = values_.data() + p.lower;
-    for (const int later : s.coupled(k))
+    for (int e = p.begin; e < p.end; ++e) {
+      if (s.fill_[e]) continue;  // zero in the matrix
+      const double* column = values_.data() + p.lower + s.block_offset_[e];
       for (int i = 0; i < d; ++i)
-        for (int q = 0; q < s.dimension(later); ++q) reference[i] = std::max(reference[i], std::abs(*column++));
+        for (int q = 0; q < s.dimension(s.coupled_[e]); ++q) reference[i] = std::max(reference[i], std::abs(*column++));
+    }
     return;
   }
-  const double* column = values_.data() + p.upper;
-  for (int c = 0; c < p.coupled_rows; ++c, column += d)
-    for (int i = 0; i < d; ++i) reference[i] = std::max(reference[i], std::abs(column[i]));
+  for (int e = p.begin; e < p.end; ++e) {
+    if (s.fill_[e]) continue;
+    const double* column = values_.data() + p.upper + s.block_offset_[e];
+    for (int c = 0; c < s.dimension(s.coupled_[e]); ++c, column += d)
+      for (int i = 0; i < d; ++i) reference[i] = std::max(reference[i], std::abs(column[i]));
+  }
 }
 
 void Factorization::prepare_range(int begin, int end) {

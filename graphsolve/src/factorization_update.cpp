@@ -38,6 +38,25 @@ inline std::int64_t update_row(const kernels::Table& kernel, double* values, con
 
 }  // namespace
 
+void Factorization::remember_diagonal(const double* block, int d) {
+  for (int q = 0; q < d; ++q) work_[q] = block[q * (d + 1)];
+}
+
+/// What was added to the diagonal of pivot k since remember_diagonal.
+void Factorization::note_added(int k, const double* block, int d) {
+  double* reference = reference_.data() + first_row_[k];
+  for (int q = 0; q < d; ++q) {
+    const double added = block[q * (d + 1)] - work_[q];
+    reference[q] = std::abs(added) > std::abs(reference[q]) ? added : reference[q];  // no branch: unpredictable
+  }
+}
+
+/// Numbers between so many couplings of one size that an elimination changes.
+std::int64_t Factorization::updated_scalars(std::int64_t couplings, std::int64_t rows) const {
+  return symmetric() ? rows * (rows * couplings * (couplings - 1) + couplings * (rows + 1)) / 2
+                     : rows * rows * couplings * couplings;
+}
+
 /// The blocks between couplings `from`, from + 1, ... of pivot k lose L W; of symmetric ones the lower triangle.
 void Factorization::update(int k, int from, Outcome& outcome) {
   const Symbolic& s = *symbolic_;
@@ -48,28 +67,20 @@ void Factorization::update(int k, int from, Outcome& outcome) {
   const double* lower = v + p.lower + s.block_offset_[p.begin + from];
   const double* upper = v + p.upper + s.block_offset_[p.begin + from];
   const int size = in_rows(m - from, equal_[k]) ? equal_[k] : 0;
-  if (size > 0) kernels_->spreads[size - 1](upper, spread_.data(), d, m - from);
-  std::int64_t scalars = 0;
+  if (size > 0) kernels_->spreads[size - 1](upper, spread_.data(), d, m - from, 0, d);
+  std::int64_t scalars = size > 0 ? updated_scalars(m - from, size) : 0;
   for (int i = from; i < m; ++i) {
     const std::int64_t* target = s.targets(p) + static_cast<std::int64_t>(i) * p.stride + from;
     const int di = s.pivot(coupled[i]).dimension, before = symmetric() ? i - from : m - from;
     const bool watch = tracks_reference(coupled[i]);
     double* own = v + target[i - from];
-    if (watch)
-      for (int q = 0; q < di; ++q) work_[q] = own[q * (di + 1)];
+    if (watch) remember_diagonal(own, di);
     if (size > 0) {
-      kernels_->rows_of_blocks[size - 1](v, target, lower, spread_.data(), d, before + (symmetric() ? 1 : 0));
-      scalars += static_cast<std::int64_t>(di) * di * before + (symmetric() ? di * (di + 1) / 2 : 0);
+      kernels_->rows_of_blocks[size - 1](v, target, lower, spread_.data(), d, 0, before + (symmetric() ? 1 : 0));
     } else {
       scalars += update_row(*kernels_, v, {s, coupled + from, target, before, di, d, symmetric()}, lower, upper);
     }
-    if (watch) {
-      double* reference = reference_.data() + first_row_[coupled[i]];
-      for (int q = 0; q < di; ++q) {
-        const double added = own[q * (di + 1)] - work_[q];
-        reference[q] = std::abs(added) > std::abs(reference[q]) ? added : reference[q];  // no branch: unpredictable
-      }
-    }
+    if (watch) note_added(coupled[i], own, di);
     lower += di * d;
   }
   outcome.operations += d * scalars;

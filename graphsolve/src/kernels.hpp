@@ -17,11 +17,12 @@ using Product = void (*)(double* c, std::ptrdiff_t ldc, const double* a, const d
                          int k, int n);
 /// Lower triangle of C (m x m) -= A (m x k) B (k x m); what is above the diagonal of C is spoilt.
 using LowerProduct = void (*)(double* c, const double* a, const double* b, int m, int k);
-/// Prepares W (d x S blocks) for products with many L: blocks d S^2 numbers.
-using Spread = void (*)(const double* w, double* to, int d, int blocks);
-/// Blocks of S x S at values + target[j] lose L (S x d) times block j of the W that was spread.
-using RowOfBlocks = void (*)(double* values, const std::int64_t* target, const double* l, const double* spread_w, int d,
-                             int blocks);
+/// Prepares W (d x S blocks) for products with many L: the rows [begin, begin + d) of one that is `depth` deep, in
+/// spread_size numbers.
+using Spread = void (*)(const double* w, double* to, int d, int blocks, int begin, int depth);
+/// Blocks of S x S at values + target[j], j in [begin, end), lose L (S x depth) times block j of the W that was spread.
+using RowOfBlocks = void (*)(double* values, const std::int64_t* target, const double* l, const double* spread_w, int depth,
+                             int begin, int end);
 /// LU with row exchanges in place: L unit below the diagonal, reciprocals of the pivots on it. `rows[p]` is the row
 /// that took place p. Returns the smallest pivot magnitude; 0 or NaN means not usable.
 using Factor = double (*)(double* a, int* rows, int d);
@@ -40,10 +41,14 @@ using Forward = void (*)(double* x, const Symbolic::Pivot* pivots, std::span<con
 using Backward = void (*)(double* y, const Symbolic::Pivot* pivots, std::span<const int> coupled, const double* upper,
                           const double* x, int d);
 
+/// Numbers of a W of `depth` rows and S `blocks` columns when spread: four blocks lie together.
+constexpr int spread_size(int depth, int blocks, int s) { return (blocks + 3) / 4 * 4 * depth * s * s; }
+
 inline constexpr int max_rows = 8;   ///< products have code of their own for up to so many rows
 inline constexpr int max_fixed = 6;  ///< the others for blocks of up to so many, and
 inline constexpr int also_fixed = 12;
 inline constexpr int max_spread = 4;  ///< S of rows of blocks
+inline constexpr int at_once = 12;    ///< columns of L that they keep in registers
 inline constexpr int max_equal = 6;   ///< S of solves
 
 /// By size; place 0 is for any other.

@@ -71,7 +71,7 @@ void Symbolic::count_memory() {
   const std::int64_t numbers =
       sizeof(Factorization) + bytes(values_size_, sizeof(double)) +
       bytes(rows_, 2 * sizeof(int) + 2 * sizeof(double) + sizeof(Factorization::DroppedRow)) +
-      bytes(pivots(), 2 * sizeof(int) + sizeof(char)) + bytes(uncertain, sizeof(int)) + bytes(spread, sizeof(double)) +
+      bytes(pivots(), 2 * sizeof(int) + 2 * sizeof(char)) + bytes(uncertain, sizeof(int)) + bytes(spread, sizeof(double)) +
       bytes(2 * std::int64_t{largest} * largest + 3 * largest, sizeof(double)) +
       bytes(components(), sizeof(Factorization::Outcome) + sizeof(char));
   const std::int64_t packed = bytes(program_->factor_size() + program_->scratch_size(), sizeof(double)) +

@@ -77,6 +77,51 @@ TEST(Refactorize, GivesTheBitsOfAWholeFactorizationAndRedoesAncestorsOnly) {
   }
 }
 
+/// All nodes couple with each other, in blocks of d x d.
+Problem complete(int d, families::Values values) {
+  Problem problem;
+  problem.name = "complete " + std::to_string(d);
+  const int nodes = 21, n = nodes * d;
+  for (int i = 0; i < nodes; ++i) problem.graph.add_node("node " + std::to_string(i), d);
+  for (int i = 0; i < nodes; ++i)
+    for (int j = 0; j < i; ++j) problem.graph.add_edge({i}, {j});
+  std::mt19937_64 random(d);
+  std::normal_distribution<double> normal;
+  const Eigen::MatrixXd m = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return normal(random); });
+  Eigen::MatrixXd a = m * m.transpose() + n * Eigen::MatrixXd::Identity(n, n);
+  if (values == families::Values::unsymmetric) a += m;
+  problem.matrix = a.sparseView();
+  problem.right = Eigen::VectorXd::NullaryExpr(n, [&] { return normal(random); });
+  return problem;
+}
+
+// A whole factorization takes several pivots of a dense end together; done again they go one by one.
+TEST(Refactorize, PivotsTogetherGiveTheBitsAndCountsOfPivotsOneByOne) {
+  for (const auto kind : {FactorizationKind::ldu, FactorizationKind::ldlt}) {
+    const auto values = kind == FactorizationKind::ldu ? families::Values::unsymmetric : families::Values::symmetric;
+    std::vector<Problem> list;
+    for (int d = 1; d <= 5; ++d) list.push_back(complete(d, values));
+    for (const auto difficulty : {families::Difficulty::mass_ratio, families::Difficulty::redundant})
+      list.push_back(families::make_problem({.family = families::Family::grid, .n = 144, .difficulty = difficulty, .values = values}));
+    for (const Problem& problem : list) {
+      auto together = prepared(problem, kind), one_by_one = prepared(problem, kind);
+      const auto expected = together->factorize();
+      ASSERT_TRUE(expected.ok()) << problem.name;
+      ASSERT_TRUE(one_by_one->factorize().ok());
+      std::vector<NodeId> all;
+      for (int k = 0; k < problem.graph.size(); ++k) all.push_back({k});
+      const auto outcome = one_by_one->refactorize(all);
+      EXPECT_TRUE(std::ranges::equal(together->values(), one_by_one->values())) << problem.name;
+      EXPECT_EQ(outcome.operations, expected.operations) << problem.name;
+      EXPECT_EQ(outcome.growth, expected.growth) << problem.name;
+      EXPECT_EQ(outcome.dropped_rows, expected.dropped_rows) << problem.name;
+      Eigen::VectorXd x = problem.right;
+      together->solve({x.data(), static_cast<std::size_t>(x.size())});
+      EXPECT_LE((problem.matrix * x - problem.right).norm(), 1e-9 * problem.right.norm()) << problem.name;
+    }
+  }
+}
+
 TEST(Refactorize, ARootOfATreeCostsTheSameWhateverTheSizeOfTheRest) {
   const auto cost = [](int n) {
     const Problem problem = families::make_problem({.family = families::Family::chain, .n = n});

@@ -161,6 +161,10 @@ class Factorization {
   enum class Count { each, together };  ///< by component, or all in the first outcome
   void factorize_steps(std::span<Outcome> outcomes, Count count);
   void eliminate_alone(int k, Outcome& outcome);
+  void begin_alone(int k, Outcome& outcome);
+  void eliminate_group(int begin, int size, Outcome& outcome);
+  void update_member(int begin, int k, const double* l, int depth);
+  void update_after(int begin, int size, const double* l, const double* spread_w);
   void alone_if_active(int k, std::span<Outcome> outcomes);
   void eliminate_together(int number, unsigned active, std::span<Outcome> outcomes, Count count, const simd::PackData& data);
   void count_pack(const simd::PivotPack& pack, unsigned active, std::span<Outcome> outcomes, Count count);
@@ -186,6 +190,9 @@ class Factorization {
   void mirror_matrix(int k);
   void eliminate(int k, Outcome& outcome);
   void update(int k, int from, Outcome& outcome);
+  void remember_diagonal(const double* block, int d);
+  void note_added(int k, const double* block, int d);
+  [[nodiscard]] std::int64_t updated_scalars(std::int64_t couplings, std::int64_t rows) const;
   void solve_diagonal(int k, double* x, int columns, std::ptrdiff_t stride) const;
   void solve_range(double* x, int columns, int begin, int end) const;
   void solve_pivots(double* x, int columns, int begin, int end) const;
@@ -218,6 +225,7 @@ class Factorization {
   std::vector<double> panel_reference_;  ///< where dependence is looked for: largest entry of the row right of the block
   std::vector<double> work_;          ///< two of the largest block and 3 of its rows; solving needs none of it
   std::vector<char> equal_;           ///< per pivot: equal_couplings
+  std::vector<char> group_;           ///< per pivot that is not inside a group: how many it begins, see group_size
   std::vector<double> spread_;        ///< for the update of equal couplings
   std::vector<double> residual_, residual_low_, magnitude_, correction_, best_;
   std::vector<DroppedRow> dropped_;

@@ -82,42 +82,107 @@ void lower_product(double* c, const double* a, const double* b, int m, int k) {
   }
 }
 
-/// Every number of W as often as a block has rows: for column block j and row p of W the S x S numbers that row p of W
-/// multiplies column p of an L by.
+/// How the S^2 numbers of a block are worked on: so many in registers of their own, and the rest, one at most, with those of
+/// three other blocks. A spread W has for every four blocks and every p the numbers that column p of an L is multiplied
+/// by: first those of the registers, block after block, then the rest of all four.
 template <int S>
-void spread(const double* HWY_RESTRICT w, double* HWY_RESTRICT to, int d, int blocks) {
-  for (int j = 0; j < blocks; ++j, w += S * d)
-    for (int p = 0; p < d; ++p, to += S * S)
-#pragma GCC unroll 4
-      for (int c = 0; c < S; ++c)
-#pragma GCC unroll 4
-        for (int r = 0; r < S; ++r) to[c * S + r] = w[c * d + p];
-}
+struct Parts {
+  static constexpr int square = S * S, own = square & ~3, rest = square - own, four = 4 * square;
+};
 
-/// Blocks of S x S, which lie wherever they do, lose L (S x d) times their columns of the spread W.
 template <int S>
-void row_of_blocks(double* values, const std::int64_t* target, const double* l, const double* spread_w, int d, int blocks) {
-  using Block = Rows<S * S>;
-  constexpr int largest = 8;
-  double tile[S * S];
-  Block left[largest];
-  for (int begin = 0; begin < d; begin += largest, l += largest * S) {
-    const int some = std::min(largest, d - begin);
-    for (int p = 0; p < some; ++p) {
-#pragma GCC unroll 4
-      for (int c = 0; c < S; ++c)
-#pragma GCC unroll 4
-        for (int r = 0; r < S; ++r) tile[c * S + r] = l[p * S + r];
-      left[p] = Block::load(tile);
-    }
-    const double* w = spread_w + begin * S * S;
-    for (int j = 0; j < blocks; ++j, w += d * S * S) {
-      double* to = values + target[j];
-      Block sum = Block::load(to);
-      for (int p = 0; p < some; ++p) sum.subtract_each(left[p], Block::load(w + p * S * S));
-      sum.store(to);
+void spread(const double* HWY_RESTRICT w, double* HWY_RESTRICT to, int d, int blocks, int begin, int depth) {
+  using P = Parts<S>;
+  for (int j = 0; j < blocks; ++j, w += S * d) {
+    double* place = to + (static_cast<std::ptrdiff_t>(j / 4) * depth + begin) * P::four;
+    const int b = j % 4;
+    for (int p = 0; p < d; ++p, place += P::four) {
+#pragma GCC unroll 16
+      for (int e = 0; e < P::own; ++e) place[b * P::own + e] = w[e / S * d + p];
+      if (P::rest) place[4 * P::own + b] = w[(S - 1) * d + p];
     }
   }
+}
+
+/// The blocks [begin, end) of a row lose `some` columns of L times their part of W; D: as many columns, known here.
+template <int S, int D>
+HWY_INLINE void part_of_row(double* values, const std::int64_t* target, const double* l, const double* spread_w, int depth,
+                            int begin, int end, int some_) {
+  using P = Parts<S>;
+  using Own = Rows<P::own>;
+  using Rest = Rows<P::rest>;
+  constexpr int largest = D ? D : at_once;
+  const int some = D ? D : some_;
+  Own left[largest];
+  double last[largest];
+  for (int p = 0; p < some; ++p) {
+    double tile[P::own + 1];
+#pragma GCC unroll 16
+    for (int e = 0; e < P::own; ++e) tile[e] = l[p * S + e % S];
+    left[p] = Own::load(tile);
+    last[p] = l[p * S + S - 1];
+  }
+  const auto one = [&](int j) {
+    const double* w = spread_w + static_cast<std::ptrdiff_t>(j / 4) * depth * P::four;
+    const int b = j % 4;
+    double* to = values + target[j];
+    Own sum = Own::load(to);
+    Rest rest = Rest::load(to + P::own);
+#pragma GCC unroll 12
+    for (int p = 0; p < some; ++p, w += P::four) {
+      sum.subtract_each(left[p], Own::load(w + b * P::own));
+      rest.subtract(Rest::load(w + 4 * P::own + b), last[p]);
+    }
+    sum.store(to);
+    rest.store(to + P::own);
+  };
+  int j = begin;
+  if constexpr (hn::MaxLanes(Together()) == 4) {
+    for (; j < end && j % 4 != 0; ++j) one(j);
+    for (; j + 4 <= end; j += 4) {
+      const double* w = spread_w + static_cast<std::ptrdiff_t>(j / 4) * depth * P::four;
+      double* to[4];
+      Own sum[4];
+#pragma GCC unroll 4
+      for (int b = 0; b < 4; ++b) {
+        to[b] = values + target[j + b];
+        sum[b] = Own::load(to[b]);
+      }
+      auto rest = hn::Zero(Together());
+      if constexpr (P::rest > 0) rest = load_row(Together(), to, P::own);
+#pragma GCC unroll 12
+      for (int p = 0; p < some; ++p, w += P::four) {
+#pragma GCC unroll 4
+        for (int b = 0; b < 4; ++b) sum[b].subtract_each(left[p], Own::load(w + b * P::own));
+        if constexpr (P::rest > 0)
+          rest = hn::NegMulAdd(hn::LoadU(Together(), w + 4 * P::own), hn::Set(Together(), last[p]), rest);
+      }
+#pragma GCC unroll 4
+      for (int b = 0; b < 4; ++b) sum[b].store(to[b]);
+      if constexpr (P::rest > 0) store_row(Together(), to, P::own, rest);
+    }
+  }
+  for (; j < end; ++j) one(j);
+}
+
+/// Blocks of S x S, which lie wherever they do, lose L (S x depth) times their columns of the spread W.
+template <int S>
+void row_of_blocks(double* values, const std::int64_t* target, const double* l, const double* spread_w, int depth, int begin,
+                   int end) {
+  int done = 0;
+  const auto part = [&]<int D>(int some) {
+    part_of_row<S, D>(values, target, l + done * S, spread_w + done * Parts<S>::four, depth, begin, end, some);
+    done += some;
+  };
+  while (depth - done > at_once) part.template operator()<at_once>(at_once);
+  switch (depth - done) {
+    case S: return part.template operator()<S>(S);
+    case 2 * S: return part.template operator()<2 * S>(2 * S);
+    case 3 * S: return part.template operator()<3 * S>(3 * S);
+    default: break;
+  }
+  if (depth - done == at_once) return part.template operator()<at_once>(at_once);
+  part.template operator()<0>(depth - done);
 }
 
 template <int S, int D>

@@ -94,6 +94,17 @@ HWY_INLINE hn::VFromD<Tag> load_row(Tag tag, const double* const* column, int ro
   }
 }
 
+/// The reverse.
+template <class Tag>
+HWY_INLINE void store_row(Tag, double* const* column, int row, hn::VFromD<Tag> v) {
+  static_assert(hn::MaxLanes(Tag()) == 4);
+  const auto low = hn::LowerHalf(Pair(), v), high = hn::UpperHalf(Pair(), v);
+  column[0][row] = hn::GetLane(low);
+  column[1][row] = hn::GetLane(hn::InterleaveUpper(Pair(), low, low));
+  column[2][row] = hn::GetLane(high);
+  column[3][row] = hn::GetLane(hn::InterleaveUpper(Pair(), high, high));
+}
+
 /// to[i] lane c = x[c stride + i], i < d. Columns from `count` on repeat the last one.
 template <int D, class Tag>
 HWY_INLINE void load_columns(Tag tag, const double* x, int d_, std::ptrdiff_t stride, int count,
