@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "graphsolve/largest.hpp"
 #include "physics/scenes.hpp"
 #include "study/precision.hpp"
 #include "study/table.hpp"
@@ -49,7 +50,7 @@ Sample run_fractions(const Sample& asked, int steps) {
     const physics::StepRecord end = run_sample(scene, steps, one);
     const physics::Vec3 path = end.bodies[0].position - scene.bodies[0].position;
     const double error = std::abs(path.head<2>().norm() / exact - 1);
-    if (!(error <= all.error)) all.error = error;  // NaN stays: a failed step must show
+    graphsolve::keep_largest(all.error, error);  // NaN stays: a failed step must show
     all.milliseconds += one.milliseconds / stop_fractions.size();
     all.iterations += one.iterations / stop_fractions.size();
     all.steps += one.steps;

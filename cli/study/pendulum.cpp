@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "graphsolve/largest.hpp"
 #include "physics/run.hpp"
 #include "physics/scenes.hpp"
 #include "study/fit.hpp"
@@ -44,10 +45,7 @@ Positions positions(const physics::StepRecord& record) {
 
 double distance(const Positions& a, const Positions& b) {
   double largest = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const double here = (a[i] - b[i]).norm();
-    if (!(here <= largest)) largest = here;  // NaN stays
-  }
+  for (std::size_t i = 0; i < a.size(); ++i) graphsolve::keep_largest(largest, (a[i] - b[i]).norm());  // NaN stays
   return largest;
 }
 

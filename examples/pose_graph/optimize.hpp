@@ -8,6 +8,7 @@
 
 #include "graph.hpp"
 #include "graphsolve/factorization.hpp"
+#include "graphsolve/largest.hpp"
 
 namespace pose_graph {
 
@@ -150,8 +151,7 @@ class Optimizer {
   }
   [[nodiscard]] double largest_gradient() const {
     double largest = 0;
-    for (const double g : gradient_)
-      if (!(std::abs(g) <= largest)) largest = std::abs(g);
+    for (const double g : gradient_) graphsolve::keep_largest(largest, std::abs(g));
     return largest;
   }
 

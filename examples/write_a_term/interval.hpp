@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "graphsolve/largest.hpp"
 #include "graphsolve/pair.hpp"
 
 /// A law with two pairs: 0 <= u <= width with the force f = z_0 - z_1 of the two ends,
@@ -40,7 +41,7 @@ class Interval {
     double largest = 0;
     for (int e = 0; e < 2; ++e)
       for (const double error : {std::abs(residual_[e]), std::min(pair_[e].s, pair_[e].z / scale)})
-        if (!(error <= largest)) largest = error;  // not std::max: a NaN must stay
+        graphsolve::keep_largest(largest, error);  // not std::max: a NaN must stay
     return largest;
   }
   [[nodiscard]] double largest_product() const {

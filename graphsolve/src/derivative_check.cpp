@@ -57,7 +57,7 @@ DerivativeReport check_terms(Problem& problem, std::span<const double> x, double
       }
       const double difference = (plus[i] - minus[i]) / (2 * step);
       const double error = std::abs(given - difference) / (1 + std::abs(difference));
-      if (error <= report.largest_error) continue;
+      if (!report.worsened_by(error)) continue;
       report.largest_error = error;
       report.where = "row " + std::to_string(i - graph.row(a)) + " of '" + std::string(graph.name(a)) + "' by column " +
                      std::to_string(j - graph.row(b)) + " of '" + std::string(graph.name(b)) + "'";

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
+
+#include "graphsolve/largest.hpp"
 
 namespace graphsolve {
 
@@ -124,21 +125,16 @@ BackwardError backward_error(const SparseMatrix& matrix, std::span<const double>
       row_sum[i] += std::abs(matrix.value[k]);
     }
   }
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  // A maximum that keeps NaN.
-  const auto raise = [nan](double& largest, double candidate) {
-    if (!(candidate <= largest)) largest = std::isnan(candidate) || std::isnan(largest) ? nan : candidate;
-  };
   BackwardError error;
   double residual = 0, matrix_norm = 0, x_norm = 0, b_norm = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const double r_i = static_cast<double>(std::abs(r[i]));
-    raise(residual, r_i);
-    raise(matrix_norm, row_sum[i]);
-    raise(b_norm, std::abs(b[i]));
-    if (!(r_i == 0)) raise(error.componentwise, r_i / magnitude[i]);
+    keep_largest(residual, r_i);
+    keep_largest(matrix_norm, row_sum[i]);
+    keep_largest(b_norm, std::abs(b[i]));
+    if (!(r_i == 0)) keep_largest(error.componentwise, r_i / magnitude[i]);
   }
-  for (const double x_j : x) raise(x_norm, std::abs(x_j));
+  for (const double x_j : x) keep_largest(x_norm, std::abs(x_j));
   if (!(residual == 0)) error.normwise = residual / (matrix_norm * x_norm + b_norm);
   return error;
 }

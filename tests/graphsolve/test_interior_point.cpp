@@ -279,6 +279,25 @@ TEST(DerivativeCheck, AcceptsARightTermAndNamesTheWrongEntryOfAWrongOne) {
   EXPECT_EQ(report.where, "row 0 of 'x1' by column 1 of 'x1'");
 }
 
+TEST(DerivativeCheck, ANumberAfterNotANumberDoesNotHideIt) {
+  ChainQuadratic cost(3, 5);
+  Spoils spoils;
+  Problem problem(chain(3));
+  problem.add(cost);
+  problem.add(spoils);
+  EXPECT_TRUE(std::isnan(check_terms(problem, std::vector(6, 0.1)).largest_error));
+
+  struct NoSlope : Bound {
+    using Bound::Bound;
+    void rate(const double*, double* du) const { du[0] = std::nan(""); }
+  };
+  BlockGraph graph;
+  const NodeId node = graph.add_node("x", 1);
+  NoSlope port(node, 0, Bound::Side::lower, 0);
+  port.wire(Wiring(Symbolic(graph, natural_ordering(graph)), graph));
+  EXPECT_TRUE(std::isnan(check_port(port, std::vector{0.1}).largest_error));
+}
+
 TEST(DerivativeCheck, NonnegativeLawAndBoundPortAreConsistent) {
   Nonnegative law(2.0, 1e300);
   law.start_cold(0.7, 2.0);

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "graphsolve/largest.hpp"
 #include "support/certificate.hpp"
 
 namespace campaign {
@@ -75,9 +76,9 @@ class Runner {
     count.culling_repeats += result.culling_repeats;
     count.iterations += result.iterations;
     count.most_iterations = std::max(count.most_iterations, result.iterations);
-    // Written so that NaN replaces anything.
-    if (!(simulator.smallest_distance() >= count.distance)) count.distance = simulator.smallest_distance();
-    if (!(simulator.largest_joint_error() <= count.joint_error)) count.joint_error = simulator.largest_joint_error();
+    const double distance = simulator.smallest_distance();
+    if (!(distance >= count.distance) && !std::isnan(count.distance)) count.distance = distance;  // NaN stays
+    graphsolve::keep_largest(count.joint_error, simulator.largest_joint_error());
   }
 
   void certify(const Family& family, int index, Count& count, const Mechanism& mechanism, const StepRecord& before,
@@ -86,7 +87,7 @@ class Runner {
     const auto worst = verdict.worst();
     const double excess = worst.value / (options_.settings.tolerance + inexactness(mechanism, before, after));
     ++count.certified;
-    if (!(excess <= count.certificate)) count.certificate = excess;
+    graphsolve::keep_largest(count.certificate, excess);
     if (excess <= 1) return;
     ++count.refuted;
     report_.refutations.push_back({family.name, index, after.step, worst.what, excess});

@@ -14,6 +14,9 @@ namespace graphsolve {
 struct DerivativeReport {
   double largest_error = 0;  ///< |given - difference| / (1 + |difference|)
   std::string where;         ///< "row 2 of 'a' by column 0 of 'b'"
+
+  /// Is this worse than all before? The first NaN is, and nothing after it.
+  [[nodiscard]] bool worsened_by(double error) const { return !(error <= largest_error) && !std::isnan(largest_error); }
 };
 
 /// All smooth terms of a problem at x: every block of dF/dx, those that are structurally zero included.
@@ -42,7 +45,7 @@ DerivativeReport check_port(Port& port, std::span<const double> x, double step =
     for (int r = 0; r < rows; ++r) {
       const double difference = (plus[r] - minus[r]) / (2 * step);
       const double error = std::abs(given[r] - difference) / (1 + std::abs(difference));
-      if (error <= report.largest_error) continue;
+      if (!report.worsened_by(error)) continue;
       report = {error, "row " + std::to_string(r) + " by unknown " + std::to_string(j)};
     }
   }
@@ -63,7 +66,7 @@ DerivativeReport check_port(Port& port, std::span<const double> x, double step =
         direction[j] = 0;
         for (int i = 0; i < n; ++i) {
           const double error = std::abs(values[j * n + i] - force[i] * given[s]);
-          if (error <= report.largest_error) continue;
+          if (!report.worsened_by(error)) continue;
           report = {error, "condensed entry " + std::to_string(i) + ", " + std::to_string(j)};
         }
       }
@@ -88,7 +91,7 @@ DerivativeReport check_law(Law& law, std::span<const double> u, std::span<const 
   const double quadratic = std::abs(law.complementarity(1.0)) + products + mu * law.degree();
   law.accept(alpha);
   const auto note = [&](double error, std::string where) {
-    if (!(error <= report.largest_error)) report = {error, std::move(where)};
+    if (report.worsened_by(error)) report = {error, std::move(where)};
   };
   note(std::abs(law.complementarity(0.0) - promised) / (alpha * quadratic), "sum of products");
   for (int r = 0; r < rows; ++r) moved[r] = u[r] + alpha * du[r];
