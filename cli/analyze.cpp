@@ -7,6 +7,7 @@
 #include "commands.hpp"
 #include "graphsolve/io/draw.hpp"
 #include "matrix_source.hpp"
+#include "options.hpp"
 #include "outputs.hpp"
 #include "physics/scene_io.hpp"
 #include "physics/simulator.hpp"
@@ -108,7 +109,7 @@ Command add_analyze(CLI::App& program) {
       ->type_name("NAME")
       ->capture_default_str();
   const auto file = [&](const char* name, std::string& path, const char* help) {
-    command->add_option(name, path, help)->type_name("FILE")->group("Output");
+    command->add_option(name, path, help)->type_name("FILE")->group("Output")->check(file_name());
   };
   file("--json", options->json, "All figures");
   file("--svg", options->svg, "Spy plot of the factor, fill coloured by cause");

@@ -3,7 +3,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
 #include <exception>
+#include <iostream>
 #include <new>
 #include <string>
 #include <utility>
@@ -50,6 +52,14 @@ int run(const cli::Command& command) {
   }
 }
 
+/// What is printed waits in a buffer until the end; a full disk shows only then.
+int printed(int code) {
+  if (code == cli::wrong_input) return code;  // said already
+  std::cout.flush();
+  if (std::fflush(stdout) == 0 && std::cout && !std::ferror(stdout)) return code;
+  return fail("cannot write to the standard output");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -57,8 +67,10 @@ int main(int argc, char** argv) {
   program.set_version_flag("--version", "graphsolve " GRAPHSOLVE_VERSION);
   program.require_subcommand(1);
   program.footer(footer);
-  program.failure_message([](const CLI::App*, const CLI::Error& error) {
-    return fmt::format("graphsolve: {} (see 'graphsolve --help')\n", error.what());
+  program.failure_message([](const CLI::App* app, const CLI::Error& error) {
+    const auto begun = app->get_subcommands();
+    return fmt::format("graphsolve: {} (see 'graphsolve {}--help')\n", error.what(),
+                       begun.empty() ? "" : begun.front()->get_name() + " ");
   });
   std::vector<cli::Command> commands{cli::add_simulate(program), cli::add_rollout(program), cli::add_scenes(program),
                                      cli::add_study(program),    cli::add_analyze(program), cli::add_solve(program)};
@@ -72,9 +84,9 @@ int main(int argc, char** argv) {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     // Help and version are errors to the library, of code 0.
-    return program.exit(error) == 0 ? cli::all_solved : cli::wrong_input;
+    return program.exit(error) == 0 ? printed(cli::all_solved) : cli::wrong_input;
   }
   for (std::size_t i = 0; i < names.size(); ++i)
-    if (names[i]->parsed()) return run(commands[i]);
+    if (names[i]->parsed()) return printed(run(commands[i]));
   return cli::wrong_input;
 }

@@ -2,14 +2,31 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <fmt/format.h>
+#include <limits>
 #include <string>
 
 /// Checks of option values that several commands share, with sentences of their own and nothing added to the help.
 namespace cli {
 
-inline CLI::Validator at_least_zero() {
+inline CLI::Validator whole_number(long long least, long long most = std::numeric_limits<long long>::max()) {
+  const auto check = [=](const std::string& text) {
+    long long value = 0;
+    if (!CLI::detail::lexical_cast(text, value) || value < least)
+      return fmt::format("must be a whole number >= {}, not {}", least, text);
+    return value <= most ? std::string() : fmt::format("must not be above {}", most);
+  };
+  return {check, ""};
+}
+
+inline CLI::Validator at_least_zero() {  ///< beyond long long too
   return {[](const std::string& text) { return text.starts_with('-') ? "must be >= 0, not " + text : std::string(); },
           ""};
+}
+
+/// An empty word is what a shell makes of a variable that is not set: nothing would be written.
+inline CLI::Validator file_name() {
+  return {[](const std::string& text) { return text.empty() ? std::string("needs a file name") : std::string(); }, ""};
 }
 
 inline CLI::Validator positive() {

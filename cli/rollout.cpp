@@ -63,19 +63,10 @@ void add_options(CLI::App& command, Options& options) {
   const auto add = [&](const char* group, const char* name, auto& value, const char* type, const char* help) {
     return command.add_option(name, value, help)->type_name(type)->group(group);
   };
-  const auto at_least = [](long long least, long long most = std::numeric_limits<long long>::max()) {
-    return CLI::Validator(
-        [=](const std::string& text) {
-          long long value = 0;
-          if (!CLI::detail::lexical_cast(text, value) || value < least)
-            return fmt::format("must be a whole number >= {}, not {}", least, text);
-          return value <= most ? std::string() : fmt::format("must not be above {}", most);
-        },
-        "");
-  };
+  constexpr int most = std::numeric_limits<int>::max();
   command.add_option("SCENE", options.scene, "A .json or .toml file, or a built-in scene with parameters")->type_name("");
-  add("Work", "--copies", options.copies, "K", "Number of copies")->check(at_least(1, most_copies));
-  add("Work", "--steps", options.steps, "N", "Steps of each copy")->check(at_least(1));
+  add("Work", "--copies", options.copies, "K", "Number of copies")->check(whole_number(1, most_copies));
+  add("Work", "--steps", options.steps, "N", "Steps of each copy")->check(whole_number(1, most));
   add("Work", "--vary", options.vary, "KEY=LOW:HIGH", "A number that differs between copies; may be repeated")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -83,13 +74,13 @@ void add_options(CLI::App& command, Options& options) {
   add("Work", "--tolerance", options.tolerance, "T", "Residual at which a step is accepted [m/s]")
       ->check(positive())
       ->capture_default_str();
-  add("Machine", "--threads", options.threads, "T", "Threads of this process")->check(at_least(1))->capture_default_str();
+  add("Machine", "--threads", options.threads, "T", "Threads of this process")->check(whole_number(1, most))->capture_default_str();
   add("Machine", "--lanes", options.lanes, "L", "Copies that a thread steps together; multiples of 8 are best")
-      ->check(at_least(1))
+      ->check(whole_number(1, most))
       ->capture_default_str();
   add("Machine", "--shard", options.shard, "I/N", "Only part I = 0 .. N-1 of N of the copies");
-  add("Output", "--out", options.out, "FILE", "One line of JSON per copy; continued when it is there");
-  add("Output", "--merge", options.merge, "FILE...", "Put the files of all shards together into --out");
+  add("Output", "--out", options.out, "FILE", "One line of JSON per copy; continued when it is there")->check(file_name());
+  add("Output", "--merge", options.merge, "FILE", "Put the files of all shards together into --out");
   command.footer(footer);
 }
 

@@ -55,24 +55,25 @@ void add_options(CLI::App& command, Options& options) {
                   "A .json or .toml file, or a built-in scene with parameters (see 'graphsolve scenes')")
       ->required()
       ->type_name("");
+  constexpr int most = std::numeric_limits<int>::max();
   const char* length = "Length (default: a trajectory's recorded length, a built-in scene's own, else 1 s)";
   const char* physics = "Physics";
   const char* output = "Output";
   const auto add = [&](const char* group, const char* name, auto& value, const char* type, const char* help) {
     return command.add_option(name, value, help)->type_name(type)->group(group);
   };
-  CLI::Option* steps = add(length, "--steps", options.steps, "N", "Number of steps")->check(at_least_zero());
+  CLI::Option* steps = add(length, "--steps", options.steps, "N", "Number of steps")->check(whole_number(0, most));
   CLI::Option* duration = add(length, "--duration", options.duration, "S", "Simulated time [s]")->check(positive());
   CLI::Option* from =
-      add(length, "--from", options.from, "K", "Continue from record K of a trajectory")->check(at_least_zero());
+      add(length, "--from", options.from, "K", "Continue from record K of a trajectory")->check(whole_number(0, most));
   CLI::Option* time_step = add(physics, "--time-step", options.time_step, "DT", "Time step [s] (default: the scene's)");
   CLI::Option* model = add(physics, "--friction-model", options.friction_model, "MODEL",
                            "pyramid or aligned, for all contacts (default: each its own)");
   add(physics, "--tolerance", options.tolerance, "T", "Residual at which a step is accepted [m/s]")
       ->check(positive())
       ->capture_default_str();
-  add(output, "--out", options.out, "FILE", "Trajectory: .json, or .csv for plots");
-  add(output, "--summary", options.summary, "FILE", "The summary as JSON");
+  add(output, "--out", options.out, "FILE", "Trajectory: .json, or .csv for plots")->check(file_name());
+  add(output, "--summary", options.summary, "FILE", "The summary as JSON")->check(file_name());
   steps->excludes(duration);
   // A trajectory is one motion of one scene.
   time_step->check(positive())->excludes(from);

@@ -6,6 +6,7 @@
 
 #include "analyze_report.hpp"
 #include "commands.hpp"
+#include "options.hpp"
 #include "outputs.hpp"
 #include "physics/mechanism.hpp"
 #include "physics/scene_io.hpp"
@@ -31,7 +32,8 @@ constexpr const char* footer = R"(Examples:
 
 With 'auto' a symmetric matrix of positive diagonal is tried by cholesky, then ldlt, then ldu; other symmetric ones by
 ldlt, then ldu; the rest by ldu. What leaves a normwise backward error above 1e-12 is followed by the next, at last by
-the robust chain (reordering, proximal shift, threshold pivoting); every attempt is reported. A pattern without values gets seeded ones with a dominant diagonal.
+the robust chain (reordering, proximal shift, threshold pivoting); every attempt is reported. A pattern without values
+gets seeded ones with a dominant diagonal.
 
 Exit code: 0 solved, 1 the matrix is singular or no attempt was good enough (the blocks in question are named),
 2 wrong input or a file that cannot be read or written.)";
@@ -123,7 +125,7 @@ Command add_solve(CLI::App& program) {
   add("--blocks", options->blocks, "MAP", "Block map: JSON, or a list of sizes (default: found in the pattern)");
   add("--ordering", options->ordering, "NAME", "minimum-fill, best, amd, ... (see 'graphsolve analyze')")->capture_default_str();
   add("--factorization", options->factorization, "KIND", "auto, ldu, ldlt or cholesky")->capture_default_str();
-  add("--out", options->out, "FILE", "The solution, a Matrix Market file; written when solved");
+  add("--out", options->out, "FILE", "The solution, a Matrix Market file; written when solved")->check(file_name());
   command->footer(footer);
   return [options] { return solve(*options); };
 }

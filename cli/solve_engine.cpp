@@ -8,6 +8,7 @@
 
 #include "graphsolve/diagnosis.hpp"
 #include "graphsolve/io/draw.hpp"
+#include "graphsolve/largest.hpp"
 #include "graphsolve/robust_solver.hpp"
 
 namespace cli {
@@ -56,8 +57,8 @@ void judge(const Run& run, Attempt& attempt) {
   for (int c = 0; c < run.columns; ++c) {
     const BackwardError error = backward_error(run.source.file.matrix, run.column_of_b(c), run.column_of_x(c));
     // The worst of all; NaN stays.
-    if (!(error.normwise <= attempt.error.normwise)) attempt.error.normwise = error.normwise;
-    if (!(error.componentwise <= attempt.error.componentwise)) attempt.error.componentwise = error.componentwise;
+    keep_largest(attempt.error.normwise, error.normwise);
+    keep_largest(attempt.error.componentwise, error.componentwise);
   }
   if (!(attempt.error.normwise <= solved_below))
     attempt.trouble = fmt::format("backward error {:.1e} after refinement", attempt.error.normwise);
@@ -111,9 +112,22 @@ double smallest_scaled_singular(const SparseMatrix& a, const BlockStructure& blo
   return 1 / lengthened;
 }
 
+/// As the matrix counts: from 1.
+std::string zero_row(const BlockStructure& blocks, const Diagnosis::Row& row) {
+  int node = 0;
+  while (blocks.graph.name({node}) != row.node) ++node;
+  return fmt::format("row {} has no entry\n", blocks.matrix_rows({node})[row.row] + 1);
+}
+
 /// The lines of graphsolve's own diagnosis.
-void explain(const Run& run, const Diagnosis& diagnosis) {
-  const std::string text = to_string(diagnosis);
+void explain(const Run& run, Diagnosis diagnosis) {
+  constexpr std::size_t most = 8;
+  std::string rows;
+  for (std::size_t i = 0; i < std::min(diagnosis.zero_rows.size(), most); ++i)
+    rows += zero_row(run.source.blocks, diagnosis.zero_rows[i]);
+  if (diagnosis.zero_rows.size() > most) rows += fmt::format("and {} more rows have none\n", diagnosis.zero_rows.size() - most);
+  diagnosis.zero_rows.clear();  // theirs are counted within a block
+  const std::string text = rows + to_string(diagnosis);
   run.result.diagnosis.clear();
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "commands.hpp"
+#include "options.hpp"
 #include "physics/scene_io.hpp"
 #include "progress.hpp"
 #include "study/machine.hpp"
@@ -124,6 +125,7 @@ Command add_study(CLI::App& program) {
   command->add_flag("--quick", options->quick, "Fewer sizes and repeats: under two minutes for both");
   command->add_option("--out", options->out, "Folder for data and pictures; made when it does not exist")
       ->type_name("DIR")
+      ->check(file_name())
       ->capture_default_str();
   command->footer(footer);
   return [options] { return run_studies(*options); };

@@ -158,7 +158,14 @@ TEST_F(Cli, WrongOptionsAreRefusedInOneLine) {
   EXPECT_EQ(refused("simulate disc --out a.json --summary a.json"),
             "graphsolve: --out and --summary are the same file 'a.json'\n");
   EXPECT_EQ(refused("simulate disc --steps -3"),
-            "graphsolve: --steps: must be >= 0, not -3 (see 'graphsolve --help')\n");
+            "graphsolve: --steps: must be a whole number >= 0, not -3 (see 'graphsolve simulate --help')\n");
+  EXPECT_NE(refused("simulate disc --steps 1e3").find("must be a whole number >= 0, not 1e3"), std::string::npos);
+  EXPECT_NE(refused("simulate disc --steps 99999999999").find("must not be above 2147483647"), std::string::npos);
+  EXPECT_EQ(refused("simulate --steps 3"), "graphsolve: SCENE is required (see 'graphsolve simulate --help')\n");
+  // What a shell makes of a variable that is not set.
+  for (const char* command : {"simulate disc --out ''", "simulate disc --summary ''", "solve a.mtx --out ''",
+                              "analyze disc --json ''", "rollout disc --copies 1 --steps 1 --out ''", "study scaling --out ''"})
+    EXPECT_NE(refused(command).find(": needs a file name"), std::string::npos) << command;
   EXPECT_NE(refused("simulate disc --steps 3 --duration 1").find("excludes"), std::string::npos);
   EXPECT_NE(refused("simulate disc --from 3 --time-step 1").find("excludes"), std::string::npos);
   EXPECT_NE(refused("simulate disc --friction-model cone").find("must be pyramid or aligned, not cone"),
@@ -221,6 +228,12 @@ TEST_F(Cli, AFullDiskIsSaidAndGivesCodeTwo) {
   const Outcome outcome = run("simulate snake:n=20 --out t.json");
   EXPECT_EQ(outcome.code, 2);
   EXPECT_EQ(outcome.err, "graphsolve: cannot write 't.json': No space left on device\n");
+  for (const char* command : {"--help", "scenes", "simulate disc --steps 1", "analyze disc"}) {
+    const Outcome full = run(std::string(command) + " >/dev/full)", "(");
+    EXPECT_EQ(full.code, 2) << command;
+    EXPECT_TRUE(full.err.starts_with("graphsolve: cannot write to ")) << command << full.err;
+    EXPECT_EQ(std::count(full.err.begin(), full.err.end(), '\n'), 1) << full.err;
+  }
 }
 
 TEST_F(Cli, AnInterruptedRunKeepsWhatItHasAndSaysSo) {
