@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 /// Runs the campaign of extremes and lists every step that failed. Exit code 0: none failed and the certificate
-/// refuted none; 1: some did.
+/// refuted none; 1: some did; 2: wrong input.
 ///   campaign --steps 100000 --seed 1 --json campaign.json
 namespace {
 
@@ -52,15 +52,19 @@ int main(int argc, char** argv) {
   app.add_flag("!--no-certify", options.certify, "do not judge every step by the certificate");
   app.add_option("--json", json, "also write the figures to this file");
   CLI11_PARSE(app, argc, argv);
-  const campaign::Report report = campaign::run(options);
-  std::cout << report;
-  if (!json.empty()) {
-    std::ofstream file(json);
-    file << to_json(report).dump(1) << '\n';
-    if (!file) {
-      std::cerr << "cannot write '" << json << "'\n";
-      return 2;
-    }
+  const auto wrong = [](const std::string& what) {
+    std::cerr << "campaign: " << what << '\n';
+    return 2;
+  };
+  try {
+    std::ofstream file;
+    if (!json.empty()) file.open(json);
+    if (!file) return wrong("cannot write '" + json + "'");
+    const campaign::Report report = campaign::run(options);
+    std::cout << report;
+    if (!json.empty() && !(file << to_json(report).dump(1) << '\n').flush()) return wrong("cannot write '" + json + "'");
+    return report.failures.empty() && report.refutations.empty() ? 0 : 1;
+  } catch (const std::exception& error) {
+    return wrong(error.what());
   }
-  return report.failures.empty() && report.refutations.empty() ? 0 : 1;
 }

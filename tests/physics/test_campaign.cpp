@@ -21,6 +21,8 @@ TEST(Campaign, EqualSeedsGiveEqualScenesAndEqualRuns) {
   EXPECT_EQ(a.total().certificate, b.total().certificate);
 }
 
+TEST(Campaign, AFamilyThatIsNotThereIsNoFreePass) { EXPECT_THROW(slice({"mass_ratios"}, 10), std::invalid_argument); }
+
 TEST(Campaign, NoStepOfTheExtremesFailsAndTheCertificateAgrees) {
   std::vector<std::string> names;
   for (const auto& family : campaign::families())

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <stdexcept>
 
 #include "graphsolve/largest.hpp"
 #include "support/certificate.hpp"
@@ -99,12 +100,26 @@ class Runner {
 
 }  // namespace
 
+namespace {
+
+std::vector<const Family*> choose(const std::vector<std::string>& names) {
+  std::vector<const Family*> chosen;
+  std::string known;
+  for (const Family& family : families()) {
+    if (names.empty() || std::ranges::find(names, family.name) != names.end()) chosen.push_back(&family);
+    known += (known.empty() ? "" : ", ") + family.name;
+  }
+  for (const std::string& name : names)
+    if (std::ranges::none_of(families(), [&](const Family& family) { return family.name == name; }))
+      throw std::invalid_argument("there is no family '" + name + "'; there are: " + known);
+  return chosen;
+}
+
+}  // namespace
+
 Report run(const Options& options) {
   Report report;
-  std::vector<const Family*> chosen;
-  for (const Family& family : families())
-    if (options.families.empty() || std::ranges::find(options.families, family.name) != options.families.end())
-      chosen.push_back(&family);
+  const std::vector<const Family*> chosen = choose(options.families);
   Runner runner(options, report);
   for (std::size_t f = 0; f < chosen.size(); ++f) {
     Count& count = report.counts.emplace_back();

@@ -77,6 +77,7 @@ struct Report {
   [[nodiscard]] Count total() const;
 };
 
+/// Throws std::invalid_argument when there is no such family, physics::DescriptionError when the settings are wrong.
 Report run(const Options& options);
 
 /// A table of the families, then every failure, and the first refutation of each scene.
