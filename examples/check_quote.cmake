@@ -1,7 +1,10 @@
-# Fails unless README contains the file QUOTED, whole, as a C++ block.
+# Fails unless README contains the file QUOTED, whole, as a block in its language (LANGUAGE, default cpp).
 file(READ "${README}" readme)
 file(READ "${QUOTED}" quoted)
-string(FIND "${readme}" "```cpp\n${quoted}```\n" place)
+if(NOT DEFINED LANGUAGE)
+  set(LANGUAGE cpp)
+endif()
+string(FIND "${readme}" "```${LANGUAGE}\n${quoted}```\n" place)
 if(place LESS 0)
-  message(FATAL_ERROR "${README} does not quote ${QUOTED} as it is: copy the file into its cpp block")
+  message(FATAL_ERROR "${README} does not quote ${QUOTED} as it is: copy the file into its ${LANGUAGE} block")
 endif()
