@@ -24,7 +24,7 @@ std::vector<std::int64_t> places(const Eigen::SparseMatrix<double>& a, const Blo
       const NodeId row{node_of[row_of[entry.row()]]};
       if (row != last) handle = symbolic.block(row, column);
       last = row;
-      place.push_back(handle.offset + (row_of[j] - graph.row(column)) * handle.rows + row_of[entry.row()] - graph.row(row));
+      place.push_back(handle.place(row_of[entry.row()] - graph.row(row), row_of[j] - graph.row(column)));
     }
   }
   return place;
@@ -59,13 +59,12 @@ baselines::Status GraphsolveSolver::analyze(const Eigen::SparseMatrix<double>& a
     const Ordering ordering = minimum_fill_ordering(graph_);
     if (way_.nodes == Nodes::merged) {
       merged_ = merge_supernodes(graph_, ordering);
-      symbolic = std::make_shared<const Symbolic>(merged_.graph, merged_.ordering);
+      symbolic = std::make_shared<const Symbolic>(merged_.graph, merged_.ordering, Packs::off);
     } else {
-      symbolic = std::make_shared<const Symbolic>(graph_, ordering);
+      symbolic = std::make_shared<const Symbolic>(graph_, ordering, Packs::off);
     }
   }
   factorization_ = std::make_unique<Factorization>(std::move(symbolic), way_.kind);
-  factorization_->use_packs(way_.path == Path::packs ? Packs::on : Packs::off);
   right_.resize(graph_.rows());
   x_.resize(graph_.rows());
   return {};

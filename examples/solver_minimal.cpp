@@ -15,8 +15,7 @@ int main() {
   const auto symbolic = std::make_shared<const Symbolic>(graph, minimum_fill_ordering(graph));
   Factorization factorization(symbolic);
   const auto set = [&](NodeId row, NodeId column, double value) {  // value times the identity
-    double* block = factorization.block(symbolic->block(row, column));
-    block[0] = block[3] = value;
+    for (int i = 0; i < 2; ++i) factorization.entry(symbolic->block(row, column), i, i) = value;
   };
   set(x, x, 2), set(y, y, 4);        // Hessian
   set(sum, x, 1), set(sum, y, 1);    // constraint

@@ -8,6 +8,7 @@
 
 #include "graph.hpp"
 #include "graphsolve/factorization.hpp"
+#include "graphsolve/io/block_view.hpp"
 #include "graphsolve/largest.hpp"
 
 namespace pose_graph {
@@ -49,10 +50,10 @@ class Optimizer {
     symbolic_ = std::make_shared<const graphsolve::Symbolic>(blocks, graphsolve::minimum_fill_ordering(blocks));
     factorization_ = std::make_unique<graphsolve::Factorization>(symbolic_, graphsolve::FactorizationKind::cholesky);
     for (const auto& e : graph.edges) {
-      const auto offset = [&](int a, int b) {
-        return a > 0 && b > 0 ? symbolic_->block(node(a), node(b)).offset : std::int64_t{-1};
+      const auto block = [&](int a, int b) {
+        return a > 0 && b > 0 ? symbolic_->block(node(a), node(b)) : graphsolve::BlockHandle{};
       };
-      places_.push_back({offset(e.from, e.from), offset(e.from, e.to), offset(e.to, e.from), offset(e.to, e.to)});
+      places_.push_back({block(e.from, e.from), block(e.from, e.to), block(e.to, e.from), block(e.to, e.to)});
     }
     step_.resize(symbolic_->rows());
     gradient_.resize(symbolic_->rows());
@@ -107,15 +108,14 @@ class Optimizer {
  private:
   static graphsolve::NodeId node(int pose) { return {pose - 1}; }
   struct Place {
-    std::int64_t from_from, from_to, to_from, to_to;  ///< -1: the held pose
+    graphsolve::BlockHandle from_from, from_to, to_from, to_to;  ///< offset -1: the held pose
   };
 
   void linearize(const std::vector<Pose>& pose) {
     factorization_->set_zero();
     std::fill(gradient_.begin(), gradient_.end(), 0.0);
-    double* values = factorization_->values().data();
-    const auto add = [&](std::int64_t place, const Matrix& m) {
-      if (place >= 0) Eigen::Map<Matrix>(values + place) += m;
+    const auto add = [&](const graphsolve::BlockHandle& block, const Matrix& m) {
+      if (block.offset >= 0) graphsolve::block_view(factorization_->values(), block) += m;
     };
     Matrix by_from, by_to;
     for (std::size_t k = 0; k < graph_.edges.size(); ++k) {
@@ -135,9 +135,8 @@ class Optimizer {
   Eigen::Map<Vector> gradient(int pose) { return Eigen::Map<Vector>(&gradient_[S::size * (pose - 1)]); }
 
   bool solve(double damping) {
-    double* values = factorization_->values().data();
     for (int k = 1; k < graph_.poses && damping > 0; ++k)
-      Eigen::Map<Matrix>(values + symbolic_->block(node(k), node(k)).offset).diagonal() *= 1 + damping;
+      graphsolve::block_view(factorization_->values(), symbolic_->block(node(k), node(k))).diagonal() *= 1 + damping;
     if (!factorization_->factorize().ok()) return false;
     for (std::size_t i = 0; i < step_.size(); ++i) step_[i] = -gradient_[i];
     factorization_->solve(step_);

@@ -38,11 +38,11 @@ class Network {
     f.allow_refinement();
     f.keep_matrix(true);  // for the diagnosis
     for (const auto& [a, b, ohm] : resistors_) {
-      if (a > 0) *f.block(symbolic_->block(node(a), node(a))) += 1 / ohm;
-      if (b > 0) *f.block(symbolic_->block(node(b), node(b))) += 1 / ohm;
+      if (a > 0) f.entry(symbolic_->block(node(a), node(a))) += 1 / ohm;
+      if (b > 0) f.entry(symbolic_->block(node(b), node(b))) += 1 / ohm;
       if (a == 0 || b == 0) continue;
-      *f.block(symbolic_->block(node(a), node(b))) -= 1 / ohm;
-      *f.block(symbolic_->block(node(b), node(a))) -= 1 / ohm;
+      f.entry(symbolic_->block(node(a), node(b))) -= 1 / ohm;
+      f.entry(symbolic_->block(node(b), node(a))) -= 1 / ohm;
     }
     outcome_ = f.factorize();
   }

@@ -92,8 +92,7 @@ EntryMap::EntryMap(const SparseMatrix& matrix, const BlockStructure& structure, 
       const NodeId a{node_of[row]};
       if (a != last) block = symbolic.block(a, b);
       last = a;
-      offset_.push_back(block.offset + static_cast<std::int64_t>(column - graph.row(b)) * block.rows + row -
-                        graph.row(a));
+      offset_.push_back(block.place(row - graph.row(a), column - graph.row(b)));
     }
   }
 }

@@ -53,7 +53,7 @@ DerivativeReport check_terms(Problem& problem, std::span<const double> x, double
       for (const auto& edge : graph.edges(a)) coupled = coupled || edge.to == b;
       if (coupled) {
         const BlockHandle handle = symbolic.block(a, b);
-        given = values[handle.offset + (j - graph.row(b)) * handle.rows + (i - graph.row(a))];
+        given = values[handle.place(i - graph.row(a), j - graph.row(b))];
       }
       const double difference = (plus[i] - minus[i]) / (2 * step);
       const double error = std::abs(given - difference) / (1 + std::abs(difference));

@@ -18,7 +18,7 @@ std::vector<Diagnosis::Entry> find_not_finite(const BlockGraph& graph, const Fac
   each_matrix_block(f.symbolic(), [&](NodeId a, NodeId b, const BlockHandle& h) {
     for (int j = 0; j < h.columns; ++j)
       for (int i = 0; i < h.rows; ++i)
-        if (const double value = f.matrix()[h.offset + j * h.rows + i]; !std::isfinite(value))
+        if (const double value = f.matrix()[h.place(i, j)]; !std::isfinite(value))
           found.push_back({std::string(graph.name(a)), std::string(graph.name(b)), i, j, value});
   });
   return found;

@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 #include <ranges>
 
 #include "equal_couplings.hpp"
+#include "factorization_active.hpp"
 #include "kernels.hpp"
 #include "operations.hpp"
 #include "rank_revealing.hpp"
-#include "simd/packed_factor.hpp"
+#include "simd/pivot_kernels.hpp"
 
 namespace graphsolve {
 
@@ -29,13 +31,17 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
   dropped_.reserve(s.rows());
   equal_.assign(s.pivots(), 0);
   group_.assign(s.pivots(), 1);
+  scattered_.assign(s.pivots(), 0);
   int largest = 0, spread = 0, next_group = 0;
   for (int k = 0, row = 0; k < s.pivots(); ++k) {
     first_row_[k] = row;
     if (s.may_depend(k)) uncertain_.push_back(k);
     equal_[k] = static_cast<char>(equal_couplings(s, k));
+    // Pivots of packs always, so that sums are the same in bits however many copies lie side by side.
+    scattered_[k] = s.program().place(k) >= 0 ||
+                    std::ranges::any_of(s.coupled(k), [&](int later) { return s.pivot(later).stride != 1; });
     spread = std::max(spread, spread_size(s, k));
-    if (k == next_group) {
+    if (k == next_group && s.packs() == Packs::off) {
       if (equal_[k] > 0) group_[k] = static_cast<char>(group_size(s, k, equal_[k]));
       next_group = k + group_[k];
     }
@@ -45,10 +51,29 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
   work_.assign(2 * largest * largest + 3 * largest, 0.0);
   spread_.assign(spread, 0.0);
   outcomes_.resize(s.components());
-  active_.assign(s.components(), 0);
-  using Form = simd::PackedFactor::Form;
-  if (s.program().packs() > 0)
-    packed_ = std::make_unique<simd::PackedFactor>(s, symmetric() ? Form::symmetric : Form::general);
+  everything_.resize(s.components());
+  std::iota(everything_.begin(), everything_.end(), 0);
+  active_.reserve(s.components());
+  make_room_for_packs();
+}
+
+void Factorization::make_room_for_packs() {
+  const Symbolic& s = *symbolic_;
+  const simd::Program& program = s.program();
+  lanes_.assign(program.groups().size(), 0);
+  packed_.assign(program.packs(), 0);
+  if (program.packs() == 0) return;
+  (void)simd::instruction_set();  // chosen before the first kernel runs
+  scratch_.assign(program.scratch_size(), 0.0);
+  std::int64_t largest = 0;
+  int block = 0;
+  for (int k = 0; k < s.pivots(); ++k) {
+    if (s.pivot(k).stride != 1) largest = std::max(largest, s.pivot(k).scalars());
+    if (scattered_[k])
+      for (const int later : s.coupled(k)) block = std::max(block, s.dimension(later));
+  }
+  opened_.assign(largest, 0.0);
+  target_.assign(static_cast<std::size_t>(block) * block, 0.0);
 }
 
 Factorization::~Factorization() = default;
@@ -58,18 +83,19 @@ Factorization& Factorization::operator=(Factorization&&) noexcept = default;
 Factorization Factorization::twin() const {
   Factorization other(symbolic_, kind_);
   other.saddle_shift_ = saddle_shift_;
-  other.packs_ = packs_;
   return other;
 }
 
 void Factorization::set_zero() { std::fill(values_.begin(), values_.end(), 0.0); }
 
-void Factorization::set_zero(int component) {
-  const Symbolic& s = *symbolic_;
-  const int begin = s.component_begin(component), end = s.component_begin(component + 1);
-  const auto first = s.pivot(begin).diagonal;
-  const auto last = end < s.pivots() ? s.pivot(end).diagonal : s.values_size();
-  std::fill(values_.begin() + first, values_.begin() + last, 0.0);
+void Factorization::set_zero(std::span<const int> components) {
+  set_active(components);
+  each_extent([&](std::int64_t begin, std::int64_t end) { std::fill(values_.begin() + begin, values_.begin() + end, 0.0); },
+              [&](int k) {
+                const Symbolic::Pivot& p = symbolic_->pivot(k);
+                double* to = values_.data() + p.diagonal;
+                for (std::int64_t i = 0; i < p.scalars(); ++i) to[i * p.stride] = 0;
+              });
 }
 
 void Factorization::allow_refinement() {
@@ -79,23 +105,19 @@ void Factorization::allow_refinement() {
   magnitude_.assign(symbolic_->rows(), 0.0);
   correction_.assign(symbolic_->rows(), 0.0);
   best_.assign(symbolic_->rows(), 0.0);
+  error_.assign(symbolic_->components(), 0.0);
+  least_error_.assign(symbolic_->components(), 0.0);
+  precision_.assign(symbolic_->components(), Precision::plain);
+  in_vain_.assign(symbolic_->components(), 0);
+  refined_.reserve(symbolic_->components());
 }
 
 Factorization::Outcome Factorization::factorize() {
-  Outcome outcome;
   dropped_.clear();
-  if (!in_packs()) {
-    factorize_range(0, symbolic_->pivots(), outcome);
-    any_packed_ &= !outcome.ok();  // after a failure some pivots are as they were
-    total_ = outcome;
-    complete_ = keep_matrix_ && outcome.ok();
-    return outcome;
-  }
-  complete_ = false;
-  prepare_range(0, symbolic_->pivots());
   set_all_active();
   std::fill(outcomes_.begin(), outcomes_.end(), Outcome{});
-  factorize_steps(outcomes_, Count::together);
+  factorize_active(outcomes_, Count::together);
+  Outcome outcome;
   for (const Outcome& part : outcomes_) {
     outcome.dropped_rows += part.dropped_rows;
     outcome.boosts += part.boosts;
@@ -107,60 +129,95 @@ Factorization::Outcome Factorization::factorize() {
     outcome.growth = std::max(outcome.growth, part.growth);
     if (outcome.ok()) outcome.first_bad_pivot = part.first_bad_pivot;
   }
+  total_ = outcome;
+  complete_ = keep_matrix_ && outcome.ok();
   return outcome;
 }
 
 Factorization::Outcome Factorization::factorize(int component) {
-  Outcome outcome;
+  factorize({&component, 1}, outcomes_);
+  return outcomes_[component];
+}
+
+void Factorization::factorize(std::span<const int> components, std::span<Outcome> outcomes) {
+  const Symbolic& s = *symbolic_;
+  set_active(components);
+  if (!dropped_.empty())
+    std::erase_if(dropped_, [&](const DroppedRow& d) { return std::ranges::find(components, s.component(d.node)) != components.end(); });
+  for (const int c : components) outcomes[c] = {};
+  factorize_active(outcomes, Count::each);
   complete_ = false;
-  std::erase_if(dropped_, [&](const DroppedRow& d) { return symbolic_->component(d.node) == component; });
-  factorize_range(symbolic_->component_begin(component), symbolic_->component_begin(component + 1), outcome);
-  return outcome;
 }
 
 /// Copies the matrix before it is overwritten.
-void Factorization::keep(int begin, int end) {
+void Factorization::keep() {
   assert(!matrix_.empty());
   const Symbolic& s = *symbolic_;
-  const auto first = s.pivot(begin).diagonal;
-  const auto last = end < s.pivots() ? s.pivot(end).diagonal : s.values_size();
-  largest_entry_ = 0;
-  for (auto i = first; i < last; ++i) {
-    matrix_[i] = values_[i];
-    largest_entry_ = std::max(largest_entry_, std::abs(values_[i]));
-  }
-  if (symmetric())
-    for (int k = begin; k < end; ++k) mirror_matrix(k);
+  double largest = 0;
+  each_extent(
+      [&](std::int64_t begin, std::int64_t end) {
+        for (auto i = begin; i < end; ++i) {
+          matrix_[i] = values_[i];
+          largest = std::max(largest, std::abs(values_[i]));
+        }
+      },
+      [&](int k) {
+        const Symbolic::Pivot& p = s.pivot(k);
+        for (std::int64_t i = 0, at = p.diagonal; i < p.scalars(); ++i, at += p.stride) {
+          matrix_[at] = values_[at];
+          largest = std::max(largest, std::abs(values_[at]));
+        }
+      });
+  largest_entry_ = largest;
+  if (symmetric()) each_active_pivot([&](int k) { mirror_matrix(k); });
 }
 
 /// Largest entry of the blocks of a pivot, which no other pivot changes any more.
 double Factorization::largest_of(int k) const {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
-  const double* begin = values_.data() + p.diagonal;
-  const double* end = values_.data() + p.upper + static_cast<std::int64_t>(p.dimension) * p.coupled_rows;
+  const double* v = values_.data() + p.diagonal;
+  const int d = p.dimension, stride = p.stride;
+  std::int64_t i = 0, end = p.scalars();
   double largest = 0;
   if (symmetric()) {  // the other triangle is not kept up
-    end = values_.data() + p.upper;
-    for (int j = 0; j < p.dimension; ++j, begin += p.dimension)
-      for (int i = j; i < p.dimension; ++i) largest = std::max(largest, std::abs(begin[i]));
+    for (int j = 0; j < d; ++j)
+      for (int r = j; r < d; ++r) largest = std::max(largest, std::abs(v[(j * d + r) * stride]));
+    i = d * d;
+    end = i + static_cast<std::int64_t>(d) * p.coupled_rows;
   }
-  for (; begin != end; ++begin) largest = std::max(largest, std::abs(*begin));
+  for (; i < end; ++i) largest = std::max(largest, std::abs(v[i * stride]));
   return largest;
 }
 
-void Factorization::factorize_range(int begin, int end, Outcome& outcome) {
-  prepare_range(begin, end);
-  for (int k = begin; k < end && outcome.ok(); k += group_[k])
-    group_[k] > 1 ? eliminate_group(k, group_[k], outcome) : eliminate_alone(k, outcome);
+/// The blocks of a pivot, one scalar after the other: in place, or a copy.
+Factorization::PivotBlocks Factorization::open(int k) {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  double* at = values_.data() + p.diagonal;
+  if (p.stride != 1) {
+    for (std::int64_t i = 0; i < p.scalars(); ++i) opened_[i] = at[i * p.stride];
+    at = opened_.data();
+  }
+  const std::int64_t d = p.dimension;
+  return {at, at + d * d, at + d * (d + p.coupled_rows)};
+}
+
+void Factorization::close(int k, const PivotBlocks& blocks) {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  double* to = values_.data() + p.diagonal;
+  if (p.stride == 1) return;
+  for (std::int64_t i = 0; i < p.scalars(); ++i) to[i * p.stride] = blocks.diagonal[i];
 }
 
 void Factorization::eliminate_alone(int k, Outcome& outcome) {
   begin_alone(k, outcome);
-  if (factorize_pivot(k, outcome)) eliminate(k, outcome);
+  const PivotBlocks blocks = open(k);
+  if (factorize_pivot(k, blocks, outcome)) eliminate(k, blocks, outcome);
+  close(k, blocks);
 }
 
 void Factorization::begin_alone(int k, Outcome& outcome) {
-  if (any_packed_) packed_->set_alone(k);
+  if (const int place = symbolic_->program().place(k); place >= 0)
+    packed_[place / simd::lanes] &= static_cast<std::uint8_t>(~(1u << place % simd::lanes));
   if (keep_matrix_ && largest_entry_ > 0) outcome.growth = std::max(outcome.growth, largest_of(k) / largest_entry_);
 }
 
@@ -180,10 +237,10 @@ void Factorization::drop_rows(int k, Outcome& outcome) {
   for (int m = rank_[k]; m < p.dimension; ++m) dropped_.push_back({p.node, original_row(k, m)});
 }
 
-bool Factorization::factorize_pivot(int k, Outcome& outcome) {
-  if (share_.empty()) return factorize_one(k, outcome);
+bool Factorization::factorize_pivot(int k, const PivotBlocks& blocks, Outcome& outcome) {
+  if (share_.empty()) return factorize_one(k, blocks, outcome);
   const Outcome before = outcome;
-  const bool regular = factorize_one(k, outcome);
+  const bool regular = factorize_one(k, blocks, outcome);
   share_[k] = {.inertia = {.positive = outcome.inertia.positive - before.inertia.positive,
                            .negative = outcome.inertia.negative - before.inertia.negative,
                            .zero = outcome.inertia.zero - before.inertia.zero},
@@ -192,23 +249,23 @@ bool Factorization::factorize_pivot(int k, Outcome& outcome) {
   return regular;
 }
 
-bool Factorization::factorize_one(int k, Outcome& outcome) {
+bool Factorization::factorize_one(int k, const PivotBlocks& blocks, Outcome& outcome) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
-  if (p.saddle && saddle_shift_ != 0 && kind_ != FactorizationKind::cholesky) shift_pivot(k);
+  if (p.saddle && saddle_shift_ != 0 && kind_ != FactorizationKind::cholesky) shift_pivot(k, blocks.diagonal);
   if (tracks_reference(k))
     for (int i = 0; i < p.dimension; ++i) reference_[first_row_[k] + i] = std::abs(reference_[first_row_[k] + i]);
   rank_[k] = p.dimension;
-  const bool regular = symmetric() ? factorize_pivot_symmetric(k, outcome) : factorize_pivot_any(k, outcome);
+  const bool regular = symmetric() ? factorize_pivot_symmetric(k, blocks, outcome) : factorize_pivot_any(k, blocks, outcome);
   if (!regular) outcome.first_bad_pivot = k;
   ++outcome.pivots;
   return regular;
 }
 
 /// LU of the diagonal block. Row exchanges suffice unless rows of a saddle block depend on earlier ones.
-bool Factorization::factorize_pivot_any(int k, Outcome& outcome) {
+bool Factorization::factorize_pivot_any(int k, const PivotBlocks& blocks, Outcome& outcome) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const int d = p.dimension, row = first_row_[k];
-  double* diagonal = values_.data() + p.diagonal;
+  double* diagonal = blocks.diagonal;
   const double* reference = reference_.data() + row;
   const bool look_for_dependence = p.may_depend && saddle_shift_ == 0;  // a shifted block is regular
   if (look_for_dependence) std::copy_n(diagonal, d * d, work_.data());
@@ -219,13 +276,13 @@ bool Factorization::factorize_pivot_any(int k, Outcome& outcome) {
     rank_[k] = factor_rank_revealing(diagonal, d, reference, dependent, row_exchange_.data() + row,
                                      column_exchange_.data() + row, work_.data() + d * d);
     outcome.operations += lu_operations(d);
-    if (!couples_later(k)) {
+    if (!couples_later(k, blocks)) {
       drop_rows(k, outcome);
       return true;
     }
     if (!keep_matrix_) return false;  // boosting calls for refinement
     outcome.boosts += d - rank_[k];
-    if (!boost(k, work_.data())) return false;
+    if (!boost(k, blocks, work_.data())) return false;
     rank_[k] = d;
     std::copy_n(work_.data(), d * d, diagonal);
     return kernels_->factor(d)(diagonal, row_exchange_.data() + row, d) > 0;
@@ -234,13 +291,13 @@ bool Factorization::factorize_pivot_any(int k, Outcome& outcome) {
 }
 
 /// W = D^-1 U, then the blocks between the couplings lose L W.
-void Factorization::eliminate(int k, Outcome& outcome) {
+void Factorization::eliminate(int k, const PivotBlocks& blocks, Outcome& outcome) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   if (p.coupled_rows == 0) return;
   const std::int64_t d = p.dimension;
-  solve_diagonal(k, values_.data() + p.upper, p.coupled_rows, p.dimension);
+  solve_diagonal(k, blocks.diagonal, blocks.upper, p.coupled_rows, p.dimension);
   outcome.operations += d * d * p.coupled_rows;
-  update(k, 0, outcome);
+  update(k, blocks, 0, outcome);
 }
 
 }  // namespace graphsolve

@@ -49,10 +49,9 @@ void Factorization::collect_redone(std::span<const NodeId> changed) {
 void Factorization::restore(int k) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   if (symmetric()) mirror_matrix(k);
-  const auto first = p.diagonal, last = p.upper + static_cast<std::int64_t>(p.dimension) * p.coupled_rows;
-  for (auto i = first; i < last; ++i) {
-    values_[i] = matrix_[i];
-    largest_entry_ = std::max(largest_entry_, std::abs(matrix_[i]));
+  for (std::int64_t i = 0, at = p.diagonal; i < p.scalars(); ++i, at += p.stride) {
+    values_[at] = matrix_[at];
+    largest_entry_ = std::max(largest_entry_, std::abs(matrix_[at]));
   }
   start_reference(k);
 }
@@ -90,10 +89,12 @@ Factorization::Outcome Factorization::refactorize(std::span<const NodeId> change
       const auto later = s.coupled(k);  // those redone are the last ones: each is an ancestor of the one before
       int from = 0;
       while (mark_[later[from]] != Mark::redo) ++from;
-      update(k, from, outcome);
+      update(k, open(k), from, outcome);
     } else {
       largest = std::max(largest, largest_of(k));
-      if (factorize_pivot(k, outcome)) eliminate(k, outcome);
+      const PivotBlocks blocks = open(k);
+      if (factorize_pivot(k, blocks, outcome)) eliminate(k, blocks, outcome);
+      close(k, blocks);
     }
   }
   if (largest_entry_ > 0) outcome.growth = largest / largest_entry_;

@@ -12,12 +12,12 @@ namespace graphsolve {
 /// Do the rows left out of block k still couple to later pivots? Then they are not dependent, only early. What remains
 /// of a coupling is measured against the column it stands in, and against what it was made of: the row in the matrix,
 /// and between saddle blocks what was added to both diagonals. Of a block of rank 0 nothing but rounding remains.
-bool Factorization::couples_later(int k) {
+bool Factorization::couples_later(int k, const PivotBlocks& blocks) {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
   const int d = p.dimension, row = first_row_[k];
-  const double* a = values_.data() + p.diagonal;
-  const double* column = values_.data() + p.upper;
+  const double* a = blocks.diagonal;
+  const double* column = blocks.upper;
   double* x = work_.data() + 2 * d * d;
   for (int e = p.begin; e < p.end; ++e) {
     const Symbolic::Pivot& later = s.pivot(s.coupled_[e]);
@@ -27,7 +27,7 @@ bool Factorization::couples_later(int k) {
       for (int q = 0; q < d; ++q) std::swap(x[q], x[row_exchange_[row + q]]);
       for (int q = 0; q < rank_[k]; ++q)
         for (int i = q + 1; i < d; ++i) x[i] -= a[q * d + i] * x[q];
-      const double own = later.saddle ? std::abs(values_[later.diagonal + c * (later.dimension + 1)]) : 0;
+      const double own = later.saddle ? std::abs(values_[later.diagonal + c * (later.dimension + 1) * later.stride]) : 0;
       for (int i = rank_[k]; i < d; ++i) {
         const int original = row + original_row(k, i);
         const double made_of = std::max(panel_reference_[original], std::sqrt(reference_[original] * own));
@@ -45,7 +45,7 @@ void Factorization::dependency(const DroppedRow& dropped, std::span<double> y) c
   const Symbolic::Pivot& p = s.pivot(k);
   const int d = p.dimension, row = first_row_[k];
   double buffer[simd::largest_factor];
-  const double* a = values_.data() + p.diagonal;  // a block that may depend is never in a pack
+  const double* a = factor_of(k, buffer).diagonal;
   double* yk = y.data() + p.row;
   // z^T (P^T L) = e_m^T with m the place where the dropped row ended; beyond the rank L is the identity.
   yk[dropped.row] = 1;

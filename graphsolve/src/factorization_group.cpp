@@ -5,7 +5,7 @@
 #include "kernels.hpp"
 
 /// Several pivots of a dense end eliminated together: what follows them is touched once, not once per pivot. Every number
-/// receives what it does one by one, in the same order: the bits are the same.
+/// receives what it does one by one, in the same order: the bits are the same. Only in plans without packs.
 namespace graphsolve {
 
 /// What the earlier members of the group, from `begin` on, take from the blocks of pivot k. L is the gathered panel of the
@@ -44,7 +44,7 @@ void Factorization::update_after(int begin, int size, const double* l, const dou
   const auto row = kernels_->rows_of_blocks[d - 1];
   double* v = values_.data();
   for (int i = 0; i < m; ++i, l += depth * d) {
-    const std::int64_t* target = s.targets(last) + static_cast<std::int64_t>(i) * last.stride;
+    const std::int64_t* target = s.targets(last) + static_cast<std::int64_t>(i) * last.target_stride;
     const int end = symmetric() ? i + 1 : m;
     if (!tracks_reference(coupled[i])) {
       row(v, target, l, spread_w, depth, 0, end);
@@ -73,8 +73,8 @@ void Factorization::eliminate_group(int begin, int size, Outcome& outcome) {
     const Symbolic::Pivot& p = s.pivot(k);
     if (r > 0) update_member(begin, k, l + static_cast<std::ptrdiff_t>(r - 1) * depth * d, depth);
     begin_alone(k, outcome);
-    if (!factorize_pivot(k, outcome)) return;
-    solve_diagonal(k, values_.data() + p.upper, p.coupled_rows, d);
+    if (!factorize_pivot(k, open(k), outcome)) return;
+    solve_diagonal(k, values_.data() + p.diagonal, values_.data() + p.upper, p.coupled_rows, d);
     outcome.operations += static_cast<std::int64_t>(d) * d * p.coupled_rows + d * updated_scalars(m, d);
     const double* lower = values_.data() + p.lower;
     for (int i = r; i < couplings; ++i, lower += d * d)

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "graphsolve/factorization.hpp"
+#include "factorization_active.hpp"
 
 /// What is remembered of a diagonal block while neighbours add to it: amounts that its pivots are compared with.
 namespace graphsolve {
@@ -16,12 +16,12 @@ void Factorization::start_reference(int k) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   double* reference = reference_.data() + first_row_[k];
   const double* diagonal = values_.data() + p.diagonal;
-  const int d = p.dimension;
+  const int d = p.dimension, next = p.stride * (d + 1);
   if (tracks_reference(k)) {
-    for (int i = 0; i < d; ++i) reference[i] = diagonal[i * (d + 1)];
+    for (int i = 0; i < d; ++i) reference[i] = diagonal[i * next];
     start_panel_reference(k);
   } else if (symmetric() && (!p.saddle || kind_ == FactorizationKind::cholesky))
-    for (int i = 0; i < d; ++i) reference[i] = std::abs(diagonal[i * (d + 1)]);
+    for (int i = 0; i < d; ++i) reference[i] = std::abs(diagonal[i * next]);
   else
     std::fill_n(reference, d, 0.0);
 }
@@ -36,34 +36,33 @@ void Factorization::start_panel_reference(int k) {
   if (symmetric()) {  // the blocks right of it need not have been filled
     for (int e = p.begin; e < p.end; ++e) {
       if (s.fill_[e]) continue;  // zero in the matrix
-      const double* column = values_.data() + p.lower + s.block_offset_[e];
+      const double* column = values_.data() + p.lower + s.block_offset_[e] * p.stride;
       for (int i = 0; i < d; ++i)
-        for (int q = 0; q < s.dimension(s.coupled_[e]); ++q) reference[i] = std::max(reference[i], std::abs(*column++));
+        for (int q = 0; q < s.dimension(s.coupled_[e]); ++q, column += p.stride)
+          reference[i] = std::max(reference[i], std::abs(*column));
     }
     return;
   }
   for (int e = p.begin; e < p.end; ++e) {
     if (s.fill_[e]) continue;
-    const double* column = values_.data() + p.upper + s.block_offset_[e];
-    for (int c = 0; c < s.dimension(s.coupled_[e]); ++c, column += d)
-      for (int i = 0; i < d; ++i) reference[i] = std::max(reference[i], std::abs(column[i]));
+    const double* entry = values_.data() + p.upper + s.block_offset_[e] * p.stride;
+    for (int c = 0; c < s.dimension(s.coupled_[e]); ++c)
+      for (int i = 0; i < d; ++i, entry += p.stride) reference[i] = std::max(reference[i], std::abs(*entry));
   }
 }
 
-void Factorization::prepare_range(int begin, int end) {
-  if (begin == end) return;
-  if (keep_matrix_) keep(begin, end);
-  if (symmetric()) {
-    for (int k = begin; k < end; ++k) start_reference(k);
-  } else {  // of the others nobody asks
-    for (auto k = std::lower_bound(uncertain_.begin(), uncertain_.end(), begin); k != uncertain_.end() && *k < end; ++k)
-      start_reference(*k);
+void Factorization::prepare() {
+  if (keep_matrix_) keep();
+  if (symmetric()) return each_active_pivot([&](int k) { start_reference(k); });
+  for (const int c : active_) {  // of the others nobody asks
+    const auto begin = std::ranges::lower_bound(uncertain_, symbolic_->component_begin(c));
+    const int end = symbolic_->component_begin(c + 1);
+    for (auto k = begin; k != uncertain_.end() && *k < end; ++k) start_reference(*k);
   }
 }
 
-void Factorization::shift_pivot(int k) {
+void Factorization::shift_pivot(int k, double* diagonal) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
-  double* diagonal = values_.data() + p.diagonal;
   const double* reference = reference_.data() + first_row_[k];
   const bool tracked = tracks_reference(k);
   for (int i = 0; i < p.dimension; ++i) {

@@ -2,11 +2,12 @@
 #include <cassert>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
-#include "graphsolve/factorization.hpp"
+#include "factorization_active.hpp"
 #include "kernels.hpp"
 #include "rank_revealing.hpp"
-#include "simd/packed_factor.hpp"
+#include "simd/pivot_kernels.hpp"
 
 /// Solving with the factors, which have the same form for all kinds.
 namespace graphsolve {
@@ -23,10 +24,9 @@ void Factorization::check_size(std::span<const double> x, int columns) const {
                               std::to_string(symbolic_->rows()) + " rows x " + std::to_string(columns) + " columns");
 }
 
-void Factorization::solve_diagonal(int k, double* x, int columns, std::ptrdiff_t stride) const {
+void Factorization::solve_diagonal(int k, const double* diagonal, double* x, int columns, std::ptrdiff_t stride) const {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const int row = first_row_[k];
-  const double* diagonal = values_.data() + p.diagonal;
   if (rank_[k] == p.dimension) {
     kernels_->solve(p.dimension)(diagonal, row_exchange_.data() + row, x, p.dimension, columns, stride);
     return;
@@ -37,43 +37,47 @@ void Factorization::solve_diagonal(int k, double* x, int columns, std::ptrdiff_t
 
 void Factorization::solve(std::span<double> x, int columns) const {
   check_size(x, columns);
+  set_all_active();
   const int rows = symbolic_->rows();
   for (int c = 0; c < columns; c += columns_at_once)
-    solve_pivots(x.data() + static_cast<std::ptrdiff_t>(c) * rows, std::min(columns_at_once, columns - c), 0,
-                 symbolic_->pivots());
+    solve_active(x.data() + static_cast<std::ptrdiff_t>(c) * rows, std::min(columns_at_once, columns - c));
 }
 
-void Factorization::solve_component(std::span<double> x, int component) const {
-  check_size(x, 1);
-  solve_pivots(x.data(), 1, symbolic_->component_begin(component), symbolic_->component_begin(component + 1));
-}
+void Factorization::solve_component(std::span<double> x, int component) const { solve_components(x, {&component, 1}); }
 
 void Factorization::solve_components(std::span<double> x, std::span<const int> components) const {
   check_size(x, 1);
-  if (any_packed_) {
-    set_active(components);
-    solve_steps(x.data());
-  } else {
-    for (const int c : components)
-      solve_range(x.data(), 1, symbolic_->component_begin(c), symbolic_->component_begin(c + 1));
+  set_active(components);
+  solve_active(x.data(), 1);
+}
+
+/// f(job) for runs of lanes of a pack that were made together, column by column, alone(pivot) for those between them.
+template <class F, class Alone>
+void Factorization::solve_pack(int number, unsigned active, double* x, int columns, F&& f, Alone&& alone) const {
+  const simd::Program& program = symbolic_->program();
+  const simd::PivotPack& pack = program.pack(number);
+  const auto together = [&](unsigned lanes) {
+    for (int c = 0; c < columns; ++c)
+      f(simd::PackSolve{.shape = program.shape(pack), .pack = pack, .rows = program.rows(pack),
+                        .factor = values_.data() + pack.place, .x = x + static_cast<std::ptrdiff_t>(c) * symbolic_->rows(),
+                        .active = lanes});
+  };
+  if ((packed_[number] & active) == active) return together(active);
+  unsigned run = 0;
+  for (int l = 0; l <= pack.lanes; ++l) {
+    const bool ends = l == pack.lanes || (active & ~packed_[number]) >> l & 1u;
+    if (ends && run != 0) together(std::exchange(run, 0));
+    if (l == pack.lanes) break;
+    if (ends) alone(pack.pivot[l]);
+    else run |= active & 1u << l;
   }
 }
 
-/// All pivots, or those of one component.
-void Factorization::solve_pivots(double* x, int columns, int begin, int end) const {
-  if (!any_packed_ || begin == end) return solve_range(x, columns, begin, end);
-  if (end - begin == symbolic_->pivots()) {
-    set_all_active();
-  } else {
-    const int component = symbolic_->component(symbolic_->node(begin));
-    set_active({&component, 1});
-  }
-  for (int c = 0; c < columns; ++c) solve_steps(x + static_cast<std::ptrdiff_t>(c) * symbolic_->rows());
-}
-
-void Factorization::solve_range(double* x, int columns, int begin, int end) const {
-  for (int k = begin; k < end; ++k) solve_forward(k, x, columns);
-  for (int k = end - 1; k >= begin; --k) solve_backward(k, x, columns);
+void Factorization::solve_active(double* x, int columns) const {
+  const auto forward = [&](int k) { solve_forward(k, x, columns); };
+  const auto backward = [&](int k) { solve_backward(k, x, columns); };
+  walk(false, [&](int pack, unsigned lanes) { solve_pack(pack, lanes, x, columns, simd::solve_forward, forward); }, forward);
+  walk(true, [&](int pack, unsigned lanes) { solve_pack(pack, lanes, x, columns, simd::solve_backward, backward); }, backward);
 }
 
 /// x_k := D^-1 x_k, then the coupled rows lose L x_k.
@@ -81,9 +85,11 @@ void Factorization::solve_forward(int k, double* x, int columns) const {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
   const std::ptrdiff_t stride = s.rows();
+  double buffer[simd::largest_factor];
+  const PivotFactor factor = factor_of(k, buffer);
   double* xk = x + p.row;
-  solve_diagonal(k, xk, columns, stride);
-  const double* lower = values_.data() + p.lower;
+  solve_diagonal(k, factor.diagonal, xk, columns, stride);
+  const double* lower = factor.lower;
   if (columns == 1 && equal_[k] > 0) {
     kernels_->forwards[equal_[k] - 1](x, &s.pivot(0), s.coupled(k), lower, xk, p.dimension);
     return;
@@ -100,7 +106,8 @@ void Factorization::solve_backward(int k, double* x, int columns) const {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
   const std::ptrdiff_t stride = s.rows();
-  const double* upper = values_.data() + p.upper;
+  double buffer[simd::largest_factor];
+  const double* upper = factor_of(k, buffer).upper;
   if (columns == 1 && equal_[k] > 0) {
     kernels_->backwards[equal_[k] - 1](x + p.row, &s.pivot(0), s.coupled(k), upper, x, p.dimension);
     return;
@@ -115,43 +122,52 @@ void Factorization::solve_backward(int k, double* x, int columns) const {
 
 /// The symmetric kinds solve with A itself: W^T in place of L would serve too, at more rounding.
 void Factorization::solve_transposed(std::span<double> x, int columns) const {
-  if (symmetric()) {
-    solve(x, columns);
-    return;
-  }
+  if (symmetric()) return solve(x, columns);
   check_size(x, columns);
-  for (int c = 0; c < columns; ++c) solve_column_transposed(x.data() + static_cast<std::ptrdiff_t>(c) * symbolic_->rows());
+  set_all_active();
+  const auto solve_column = [&](double* column) {
+    const auto forward = [&](int k) { solve_forward_transposed(k, column); };
+    const auto backward = [&](int k) { solve_backward_transposed(k, column); };
+    walk(false, [&](int pack, unsigned lanes) { solve_pack(pack, lanes, column, 1, simd::solve_forward_transposed, forward); },
+         forward);
+    walk(true, [&](int pack, unsigned lanes) { solve_pack(pack, lanes, column, 1, simd::solve_backward_transposed, backward); },
+         backward);
+  };
+  for (int c = 0; c < columns; ++c) solve_column(x.data() + static_cast<std::ptrdiff_t>(c) * symbolic_->rows());
 }
 
-void Factorization::solve_column_transposed(double* x) const {
+/// The coupled rows lose W^T x_k.
+void Factorization::solve_forward_transposed(int k, double* x) const {
   const Symbolic& s = *symbolic_;
+  const Symbolic::Pivot& p = s.pivot(k);
   double buffer[simd::largest_factor];
-  for (int k = 0; k < s.pivots(); ++k) {
-    const Symbolic::Pivot& p = s.pivot(k);
-    const double* upper = factor_of(k, buffer).upper;
-    for (int e = p.begin; e < p.end; ++e) {
-      const Symbolic::Pivot& pj = s.pivot(s.coupled_[e]);
-      kernels::subtract_transposed_times_vector(x + pj.row, upper, x + p.row, p.dimension, pj.dimension);
-      upper += p.dimension * pj.dimension;
-    }
+  const double* upper = factor_of(k, buffer).upper;
+  for (int e = p.begin; e < p.end; ++e) {
+    const Symbolic::Pivot& pj = s.pivot(s.coupled_[e]);
+    kernels::subtract_transposed_times_vector(x + pj.row, upper, x + p.row, p.dimension, pj.dimension);
+    upper += p.dimension * pj.dimension;
   }
-  for (int k = s.pivots() - 1; k >= 0; --k) {
-    const Symbolic::Pivot& p = s.pivot(k);
-    double* xk = x + p.row;
-    const PivotFactor factor = factor_of(k, buffer);
-    const double* lower = factor.lower;
-    for (int e = p.begin; e < p.end; ++e) {
-      const Symbolic::Pivot& pi = s.pivot(s.coupled_[e]);
-      kernels::subtract_transposed_times_vector(xk, lower, x + pi.row, pi.dimension, p.dimension);
-      lower += pi.dimension * p.dimension;
-    }
-    const int row = first_row_[k];
-    if (rank_[k] == p.dimension)
-      kernels::solve_block_transposed(factor.diagonal, row_exchange_.data() + row, xk, p.dimension);
-    else
-      solve_rank_deficient_transposed(factor.diagonal, p.dimension, rank_[k], row_exchange_.data() + row,
-                                      column_exchange_.data() + row, xk);
+}
+
+/// x_k := D^-T (x_k - L^T times the coupled rows).
+void Factorization::solve_backward_transposed(int k, double* x) const {
+  const Symbolic& s = *symbolic_;
+  const Symbolic::Pivot& p = s.pivot(k);
+  double buffer[simd::largest_factor];
+  const PivotFactor factor = factor_of(k, buffer);
+  double* xk = x + p.row;
+  const double* lower = factor.lower;
+  for (int e = p.begin; e < p.end; ++e) {
+    const Symbolic::Pivot& pi = s.pivot(s.coupled_[e]);
+    kernels::subtract_transposed_times_vector(xk, lower, x + pi.row, pi.dimension, p.dimension);
+    lower += pi.dimension * p.dimension;
   }
+  const int row = first_row_[k];
+  if (rank_[k] == p.dimension)
+    kernels::solve_block_transposed(factor.diagonal, row_exchange_.data() + row, xk, p.dimension);
+  else
+    solve_rank_deficient_transposed(factor.diagonal, p.dimension, rank_[k], row_exchange_.data() + row,
+                                    column_exchange_.data() + row, xk);
 }
 
 }  // namespace graphsolve

@@ -1,100 +1,88 @@
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <utility>
 
-#include "graphsolve/factorization.hpp"
+#include "factorization_active.hpp"
 #include "operations.hpp"
-#include "simd/packed_factor.hpp"
+#include "simd/pivot_kernels.hpp"
 
-/// Elimination and solves along the program: eight equal pivots at a time where there are as many.
+/// Elimination along the program: up to eight equal pivots at a time.
 namespace graphsolve {
 
-void Factorization::factorize(std::span<const int> components, std::span<Outcome> outcomes) {
-  const Symbolic& s = *symbolic_;
-  set_active(components);
-  complete_ = false;
-  std::erase_if(dropped_, [&](const DroppedRow& d) { return active_[s.component(d.node)] != 0; });
-  for (const int c : components) outcomes[c] = {};
-  if (!in_packs()) {
-    for (const int c : components) factorize_range(s.component_begin(c), s.component_begin(c + 1), outcomes[c]);
-    return;
-  }
-  double largest = 0;
-  for (const int c : components) {
-    prepare_range(s.component_begin(c), s.component_begin(c + 1));
-    largest_entry_ = largest = std::max(largest, largest_entry_);
-  }
-  factorize_steps(outcomes, Count::each);
-}
-
-/// What refactorize() applies again it reads from the values, where packs leave no factors. The shift of a symmetric
-/// matrix is measured at every saddle block while it is updated.
-bool Factorization::in_packs() const {
-  return packed_ != nullptr && packs_ == Packs::on && share_.empty() && !(symmetric() && saddle_shift_ != 0);
-}
-
 void Factorization::set_active(std::span<const int> components) const {
-  std::fill(active_.begin(), active_.end(), char{0});
-  for (const int c : components) active_[c] = 1;
-  all_active_ = components.size() == active_.size();
+  const simd::Program& program = symbolic_->program();
+  active_.assign(components.begin(), components.end());
+  std::fill(lanes_.begin(), lanes_.end(), std::uint8_t{0});
+  for (const int c : components) {
+    const int g = program.group_of(c);
+    const auto& group = program.groups()[g];
+    for (int i = 0; i < group.copies; ++i)
+      if (group.component[i] == c) lanes_[g] = static_cast<std::uint8_t>(lanes_[g] | 1u << i);
+  }
 }
 
-void Factorization::set_all_active() const {
-  std::fill(active_.begin(), active_.end(), char{1});
-  all_active_ = true;
+void Factorization::set_all_active() const { set_active(everything_); }
+
+bool Factorization::takes_part(int pivot) const {
+  const int c = symbolic_->component(symbolic_->node(pivot)), g = symbolic_->program().group_of(c);
+  const auto& group = symbolic_->program().groups()[g];
+  for (int i = 0; i < group.copies; ++i)
+    if (group.component[i] == c) return (lanes_[g] >> i & 1u) != 0;
+  return false;
 }
 
-unsigned Factorization::active_lanes(std::span<const int> pivots, unsigned used) const {
-  if (all_active_) return used;
-  unsigned found = 0;
-  for (int l = 0; l < simd::lanes; ++l)
-    found |= static_cast<unsigned>(active_[symbolic_->component(symbolic_->node(pivots[l]))]) << l;
-  return found & used;
+/// What refactorize() applies again it applies pivot by pivot. The shift of a symmetric matrix is measured at every
+/// saddle block while it is updated.
+bool Factorization::in_packs() const {
+  return symbolic_->packs() == Packs::on && share_.empty() && !(symmetric() && saddle_shift_ != 0);
 }
 
 void Factorization::alone_if_active(int k, std::span<Outcome> outcomes) {
-  const int c = symbolic_->component(symbolic_->node(k));
-  if (!active_[c]) return;
+  if (!takes_part(k)) return;
+  const int c = symbolic_->component(symbolic_->node(k)), g = symbolic_->program().group_of(c);
   eliminate_alone(k, outcomes[c]);
-  if (!outcomes[c].ok()) active_[c] = all_active_ = false;
+  if (outcomes[c].ok()) return;
+  const auto& group = symbolic_->program().groups()[g];
+  for (int i = 0; i < group.copies; ++i)
+    if (group.component[i] == c) lanes_[g] = static_cast<std::uint8_t>(lanes_[g] & ~(1u << i));
 }
 
 /// Outcomes by component, or what packs do all in the first. A component that has failed takes no further part.
-void Factorization::factorize_steps(std::span<Outcome> outcomes, Count count) {
+void Factorization::factorize_active(std::span<Outcome> outcomes, Count count) {
   const Symbolic& s = *symbolic_;
-  const simd::Program& program = s.program();
-  any_packed_ = true;
+  prepare();
   if (keep_matrix_) count = Count::each;
-  const simd::PackData data{
-      .values = values_.data(),
-      .reference = reference_.data(),
-      .first_row = first_row_.data(),
-      .saddle_shift = saddle_shift_,
-      .watch = kind_ == FactorizationKind::cholesky ? simd::Watch::no : simd::Watch::yes};
-  for (const auto& step : program.steps()) {
-    if (step.pack < 0) {
-      alone_if_active(step.pivot, outcomes);
-      continue;
-    }
-    const simd::PivotPack& pack = program.pack(step.pack);
-    const unsigned active = active_lanes(pack.pivot, pack.used);
-    if (active == 0) continue;
-    eliminate_together(step.pack, active, outcomes, count, data);
+  const simd::PackNumbers numbers{.values = values_.data(),
+                                  .scratch = scratch_.data(),
+                                  .reference = reference_.data(),
+                                  .first_row = first_row_.data(),
+                                  .saddle_shift = kind_ == FactorizationKind::cholesky ? 0.0 : saddle_shift_};
+  if (!in_packs()) {  // in the order of the pivots, as refactorize() goes
+    for (const int c : active_)
+      for (int k = s.component_begin(c); k < s.component_begin(c + 1) && outcomes[c].ok(); k += group_[k])
+        group_[k] > 1 ? eliminate_group(k, group_[k], outcomes[c]) : eliminate_alone(k, outcomes[c]);
+    return;
   }
+  walk(false, [&](int pack, unsigned lanes) { eliminate_together(pack, lanes, outcomes, count, numbers); },
+       [&](int k) { alone_if_active(k, outcomes); });
 }
 
 /// The lanes of a pack, or, where some have to go alone, runs of lanes between them: what several add to one block is
 /// added in the order of the pivots, in any company.
 void Factorization::eliminate_together(int number, unsigned active, std::span<Outcome> outcomes, Count count,
-                                       const simd::PackData& data) {
+                                       const simd::PackNumbers& numbers) {
   const Symbolic& s = *symbolic_;
   const simd::PivotPack& pack = s.program().pack(number);
   const simd::Shape& shape = s.program().shape(pack);
-  const auto promise = definite(shape.saddle, shape.may_depend);
+  const auto watch = kind_ == FactorizationKind::cholesky ? simd::Watch::no : simd::Watch::yes;
   const auto together = [&](unsigned lanes) {
-    const unsigned before = packed_->present(number);
-    const unsigned other = packed_->eliminate(number, data, promise, lanes);
+    const unsigned before = packed_[number];
+    const simd::PackJob job{s, s.program(), pack, numbers, lanes};
+    const unsigned other = symmetric() ? simd::eliminate_symmetric(job, definite(shape.saddle, shape.may_depend), watch)
+                                       : simd::eliminate(job);
     if (other != 0) return other;
+    packed_[number] = static_cast<std::uint8_t>(before | lanes);
     count_pack(pack, lanes, outcomes, count);
     for (unsigned rest = lanes & ~before, l = 0; rest != 0; rest >>= 1, ++l) {  // usually none: nothing changes its place
       if (!(rest & 1u)) continue;
@@ -104,15 +92,39 @@ void Factorization::eliminate_together(int number, unsigned active, std::span<Ou
     }
     return 0u;
   };
-  const unsigned other = packed_->takes(shape) ? together(active) : active;
+  if (keep_matrix_ && largest_entry_ > 0) measure_growth(pack, active, outcomes);
+  const unsigned other = together(active);
   if (other == 0) return;
   unsigned run = 0;
-  for (int l = 0; l <= simd::lanes; ++l) {
-    const bool ends = l == simd::lanes || (other >> l & 1u);
+  for (int l = 0; l <= pack.lanes; ++l) {
+    const bool ends = l == pack.lanes || (other >> l & 1u);
     if (ends && run != 0) together(std::exchange(run, 0));
-    if (l == simd::lanes) break;
+    if (l == pack.lanes) break;
     if (ends) alone_if_active(pack.pivot[l], outcomes);
     else run |= active & 1u << l;
+  }
+}
+
+/// Of the blocks of a pack before they are eliminated.
+void Factorization::measure_growth(const simd::PivotPack& pack, unsigned active, std::span<Outcome> outcomes) const {
+  const simd::Shape& shape = symbolic_->program().shape(pack);
+  const int d = shape.dimension, lanes = pack.lanes;
+  const double* v = values_.data() + pack.place;
+  double largest[simd::lanes] = {};
+  const auto take = [&](int begin, int end) {
+    for (int i = begin; i < end; ++i)
+      for (int l = 0; l < lanes; ++l) largest[l] = std::max(largest[l], std::abs(v[i * lanes + l]));
+  };
+  if (symmetric()) {  // the other triangle is not kept up
+    for (int j = 0; j < d; ++j) take(j * (d + 1), (j + 1) * d);
+    take(d * d, d * (d + shape.coupled_rows));
+  } else {
+    take(0, shape.size());
+  }
+  for (int l = 0; l < lanes; ++l) {
+    if (!(active >> l & 1u)) continue;
+    Outcome& outcome = outcomes[symbolic_->component(symbolic_->node(pack.pivot[l]))];
+    outcome.growth = std::max(outcome.growth, largest[l] / largest_entry_);
   }
 }
 
@@ -130,48 +142,22 @@ void Factorization::count_pack(const simd::PivotPack& pack, unsigned active, std
     (negative ? outcome.inertia.negative : outcome.inertia.positive) += shape.dimension * pivots;
   };
   if (count == Count::together) return add(outcomes[0], std::popcount(active));
-  for (int l = 0; l < simd::lanes; ++l) {
+  for (int l = 0; l < pack.lanes; ++l) {
     if (!(active >> l & 1u)) continue;
-    Outcome& outcome = outcomes[s.component(s.node(pack.pivot[l]))];
-    add(outcome, 1);
-    // The blocks of the pivot are still in the values, as the elimination met them.
-    if (keep_matrix_ && largest_entry_ > 0)
-      outcome.growth = std::max(outcome.growth, largest_of(pack.pivot[l]) / largest_entry_);
+    add(outcomes[s.component(s.node(pack.pivot[l]))], 1);
   }
 }
 
-void Factorization::solve_steps(double* x) const {
-  const Symbolic& s = *symbolic_;
-  const auto steps = s.program().steps();
-  const auto walk = [&](const simd::Program::Step& step, auto&& together, auto&& alone) {
-    if (step.pack < 0) {
-      if (active_[s.component(s.node(step.pivot))]) alone(step.pivot);
-      return;
-    }
-    const simd::PivotPack& pack = s.program().pack(step.pack);
-    const unsigned active = active_lanes(pack.pivot, pack.used);
-    if (active == 0) return;
-    const unsigned present = packed_->present(step.pack) & active;
-    if (present != 0) together(step.pack, present);
-    for (unsigned rest = active & ~present, l = 0; rest != 0; rest >>= 1, ++l)
-      if (rest & 1u) alone(pack.pivot[l]);
-  };
-  for (const auto& step : steps)
-    walk(step, [&](int pack, unsigned lanes) { packed_->solve_forward(pack, x, lanes); },
-         [&](int k) { solve_forward(k, x, 1); });
-  for (auto step = steps.rbegin(); step != steps.rend(); ++step)
-    walk(*step, [&](int pack, unsigned lanes) { packed_->solve_backward(pack, x, lanes); },
-         [&](int k) { solve_backward(k, x, 1); });
-}
-
-/// Where the factor of a pivot can be read: with the values, or copied from its pack. Its rows were not exchanged then.
+/// Where the factor of a pivot can be read, one scalar after the other: with the values, or a copy.
 Factorization::PivotFactor Factorization::factor_of(int k, double* buffer) const {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
-  if (!packed_ || !packed_->packed(k))
-    return {values_.data() + p.diagonal, values_.data() + p.lower, values_.data() + p.upper};
-  packed_->copy(k, buffer);
-  const int d = p.dimension;
-  return {buffer, buffer + d * d, buffer + d * (d + p.coupled_rows)};
+  const double* at = values_.data() + p.diagonal;
+  if (p.stride != 1) {
+    for (std::int64_t i = 0; i < p.scalars(); ++i) buffer[i] = at[i * p.stride];
+    at = buffer;
+  }
+  const std::int64_t d = p.dimension;
+  return {at, at + d * d, at + d * (d + p.coupled_rows)};
 }
 
 }  // namespace graphsolve

@@ -33,13 +33,13 @@ void transpose(const double* from, double* to) {
 
 }  // namespace
 
-/// U := P^T; in a factorization the solve turns it into W.
-void Factorization::transpose_panel(int k, double* values) const {
+/// U := P^T; the solve turns it into W.
+void Factorization::transpose_panel(int k, const PivotBlocks& blocks) const {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
   const int d = p.dimension;
-  const double* lower = values + p.lower;
-  double* upper = values + p.upper;
+  const double* lower = blocks.lower;
+  double* upper = blocks.upper;
   for (int e = p.begin; e < p.end; ++e) {
     const int di = s.pivot(s.coupled_[e]).dimension;
     if (d == 3 && di == 3) transpose<3, 3>(lower, upper);
@@ -56,12 +56,22 @@ void Factorization::transpose_panel(int k, double* values) const {
 
 /// The kept matrix is whole, whatever the caller filled.
 void Factorization::mirror_matrix(int k) {
-  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  const Symbolic& s = *symbolic_;
+  const Symbolic::Pivot& p = s.pivot(k);
   const int d = p.dimension;
+  const std::int64_t stride = p.stride;
   double* diagonal = matrix_.data() + p.diagonal;
   for (int j = 0; j < d; ++j)
-    for (int i = j + 1; i < d; ++i) diagonal[i * d + j] = diagonal[j * d + i];
-  transpose_panel(k, matrix_.data());
+    for (int i = j + 1; i < d; ++i) diagonal[(i * d + j) * stride] = diagonal[(j * d + i) * stride];
+  const double* lower = matrix_.data() + p.lower;
+  double* upper = matrix_.data() + p.upper;
+  for (const int later : s.coupled(k)) {
+    const int rows = s.dimension(later);
+    for (int i = 0; i < rows; ++i)
+      for (int q = 0; q < d; ++q) upper[(i * d + q) * stride] = lower[(q * rows + i) * stride];
+    lower += d * rows * stride;
+    upper += d * rows * stride;
+  }
 }
 
 /// What the pivots of a block must be to do without exchanges.
@@ -70,13 +80,13 @@ simd::Definite Factorization::definite(bool saddle, bool may_depend) const {
   return {.sign = saddle ? -1.0 : 1.0, .smallest = may_depend && saddle_shift_ == 0 ? dependent : tiny};
 }
 
-bool Factorization::factorize_pivot_symmetric(int k, Outcome& outcome) {
+bool Factorization::factorize_pivot_symmetric(int k, const PivotBlocks& blocks, Outcome& outcome) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const int d = p.dimension, row = first_row_[k];
-  double* diagonal = values_.data() + p.diagonal;
+  double* diagonal = blocks.diagonal;
   const bool cholesky = kind_ == FactorizationKind::cholesky;
   const auto [sign, smallest] = definite(p.saddle, p.may_depend);
-  transpose_panel(k, values_.data());
+  transpose_panel(k, blocks);
   if (d > kernels::max_fixed) std::copy_n(diagonal, d * d, work_.data());
   outcome.operations += ldlt_operations(d);
   if (kernels_->factor_definite(d)(diagonal, reference_.data() + row, sign, smallest, d)) {
@@ -85,13 +95,13 @@ bool Factorization::factorize_pivot_symmetric(int k, Outcome& outcome) {
     return true;
   }
   if (d > kernels::max_fixed) std::copy_n(work_.data(), d * d, diagonal);
-  return !cholesky && factorize_pivot_indefinite(k, outcome);
+  return !cholesky && factorize_pivot_indefinite(k, blocks, outcome);
 }
 
-bool Factorization::factorize_pivot_indefinite(int k, Outcome& outcome) {
+bool Factorization::factorize_pivot_indefinite(int k, const PivotBlocks& blocks, Outcome& outcome) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const int d = p.dimension, row = first_row_[k];
-  double* diagonal = values_.data() + p.diagonal;
+  double* diagonal = blocks.diagonal;
   double *block = work_.data(), *scratch = block + d * d, *size = block + 2 * d * d + 2 * d;
   for (int j = 0; j < d; ++j)
     for (int i = j + 1; i < d; ++i) diagonal[i * d + j] = diagonal[j * d + i];
@@ -114,12 +124,12 @@ bool Factorization::factorize_pivot_indefinite(int k, Outcome& outcome) {
   outcome.inertia.zero += inertia.zero;
   outcome.operations += 3 * lu_operations(d);
   if (rank_[k] < d) {
-    if (may_drop && !couples_later(k)) {
+    if (may_drop && !couples_later(k, blocks)) {
       drop_rows(k, outcome);
       return true;
     }
     outcome.boosts += d - rank_[k];
-    if (!boost(k, block)) return false;
+    if (!boost(k, blocks, block)) return false;
   }
   rank_[k] = d;
   std::copy_n(block, d * d, diagonal);
@@ -128,10 +138,10 @@ bool Factorization::factorize_pivot_indefinite(int k, Outcome& outcome) {
 
 /// Adds to the diagonal entries of `block`, the pivot as it was, that rank-revealing pivoting left over. A row without entries of its own takes the
 /// size of its couplings; one without any couplings cannot be boosted.
-bool Factorization::boost(int k, double* block) {
+bool Factorization::boost(int k, const PivotBlocks& blocks, double* block) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const int d = p.dimension;
-  const double* upper = values_.data() + p.upper;
+  const double* upper = blocks.upper;
   for (int m = rank_[k]; m < d; ++m) {
     const int i = original_row(k, m);
     double own = reference_[first_row_[k] + i];

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "equal_couplings.hpp"
@@ -38,15 +39,15 @@ inline std::int64_t update_row(const kernels::Table& kernel, double* values, con
 
 }  // namespace
 
-void Factorization::remember_diagonal(const double* block, int d) {
-  for (int q = 0; q < d; ++q) work_[q] = block[q * (d + 1)];
+void Factorization::remember_diagonal(const double* block, int d, int stride) {
+  for (int q = 0; q < d; ++q) work_[q] = block[q * (d + 1) * stride];
 }
 
 /// What was added to the diagonal of pivot k since remember_diagonal.
-void Factorization::note_added(int k, const double* block, int d) {
+void Factorization::note_added(int k, const double* block, int d, int stride) {
   double* reference = reference_.data() + first_row_[k];
   for (int q = 0; q < d; ++q) {
-    const double added = block[q * (d + 1)] - work_[q];
+    const double added = block[q * (d + 1) * stride] - work_[q];
     reference[q] = std::abs(added) > std::abs(reference[q]) ? added : reference[q];  // no branch: unpredictable
   }
 }
@@ -58,32 +59,58 @@ std::int64_t Factorization::updated_scalars(std::int64_t couplings, std::int64_t
 }
 
 /// The blocks between couplings `from`, from + 1, ... of pivot k lose L W; of symmetric ones the lower triangle.
-void Factorization::update(int k, int from, Outcome& outcome) {
+void Factorization::update(int k, const PivotBlocks& blocks, int from, Outcome& outcome) {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
   const int d = p.dimension, m = p.end - p.begin;
   const int* coupled = s.coupled_.data() + p.begin;
   double* v = values_.data();
-  const double* lower = v + p.lower + s.block_offset_[p.begin + from];
-  const double* upper = v + p.upper + s.block_offset_[p.begin + from];
-  const int size = in_rows(m - from, equal_[k]) ? equal_[k] : 0;
+  const double* lower = blocks.lower + s.block_offset_[p.begin + from];
+  const double* upper = blocks.upper + s.block_offset_[p.begin + from];
+  const int size = !scattered_[k] && in_rows(m - from, equal_[k]) ? equal_[k] : 0;
   if (size > 0) kernels_->spreads[size - 1](upper, spread_.data(), d, m - from, 0, d);
   std::int64_t scalars = size > 0 ? updated_scalars(m - from, size) : 0;
   for (int i = from; i < m; ++i) {
-    const std::int64_t* target = s.targets(p) + static_cast<std::int64_t>(i) * p.stride + from;
+    const std::int64_t* target = s.targets(p) + static_cast<std::int64_t>(i) * p.target_stride + from;
     const int di = s.pivot(coupled[i]).dimension, before = symmetric() ? i - from : m - from;
     const bool watch = tracks_reference(coupled[i]);
+    const int stride = s.pivot(coupled[i]).stride;
     double* own = v + target[i - from];
-    if (watch) remember_diagonal(own, di);
-    if (size > 0) {
+    if (watch) remember_diagonal(own, di, stride);
+    if (scattered_[k]) {
+      scalars += update_row_scattered(k, i, from, lower, upper);
+    } else if (size > 0) {
       kernels_->rows_of_blocks[size - 1](v, target, lower, spread_.data(), d, 0, before + (symmetric() ? 1 : 0));
     } else {
       scalars += update_row(*kernels_, v, {s, coupled + from, target, before, di, d, symmetric()}, lower, upper);
     }
-    if (watch) note_added(coupled[i], own, di);
+    if (watch) note_added(coupled[i], own, di, stride);
     lower += di * d;
   }
   outcome.operations += d * scalars;
+}
+
+/// update_row where some blocks lie interleaved with others: products into a block of their own first.
+std::int64_t Factorization::update_row_scattered(int k, int i, int from, const double* lower, const double* upper) {
+  const Symbolic& s = *symbolic_;
+  const Symbolic::Pivot& p = s.pivot(k);
+  const int* coupled = s.coupled_.data() + p.begin;
+  const std::int64_t* target = s.targets(p) + static_cast<std::int64_t>(i) * p.target_stride;
+  const int d = p.dimension, di = s.dimension(coupled[i]), end = symmetric() ? i + 1 : p.end - p.begin;
+  std::int64_t scalars = 0;
+  for (int j = from; j < end; ++j) {
+    const int dj = s.dimension(coupled[j]);
+    const std::int64_t stride = s.pivot(coupled[std::min(i, j)]).stride;
+    const bool triangle = symmetric() && i == j;
+    double* to = values_.data() + target[j];
+    std::fill_n(target_.data(), di * dj, 0.0);
+    kernels_->product(di)(target_.data(), di, lower, upper, d, di, d, dj);
+    for (int c = 0; c < dj; ++c)
+      for (int r = triangle ? c : 0; r < di; ++r) to[(c * di + r) * stride] += target_[c * di + r];
+    scalars += triangle ? di * (di + 1) / 2 : di * dj;
+    upper += d * dj;
+  }
+  return scalars;
 }
 
 }  // namespace graphsolve

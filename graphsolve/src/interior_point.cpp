@@ -86,10 +86,8 @@ void InteriorPoint::evaluate(With with) {
 void InteriorPoint::evaluate_terms(With with) {
   const PhaseClock clock(profile_ ? &profile_->evaluate : nullptr);
   linearized_ = with == With::matrix || !scales_known_;
-  for (const int c : running_) {
-    if (linearized_) factorization_.set_zero(c);
-    each_row(c, [&](int i) { residual_[i] = 0; });
-  }
+  if (linearized_) factorization_.set_zero(running_);
+  for (const int c : running_) each_row(c, [&](int i) { residual_[i] = 0; });
   const auto terms = problem_.terms();
   double* values = linearized_ ? factorization_.values().data() : nullptr;
   for (std::size_t b = 0; b < terms.size(); ++b) terms[b]->evaluate(running(term_lists_[b]), x_, residual_, values);
@@ -158,12 +156,14 @@ void InteriorPoint::right_hand_side() {
 }
 
 void InteriorPoint::solve_linear() {
-  for (const int c : running_) {
-    if (refine_[c]) each_row(c, [&](int i) { rhs_[i] = dx_[i]; });
-  }
-  factorization_.solve_components(dx_, running_);
+  refining_.clear();
   for (const int c : running_)
-    if (refine_[c]) (void)factorization_.refine(rhs_, dx_, c, 2);
+    if (refine_[c]) {
+      refining_.push_back(c);
+      each_row(c, [&](int i) { rhs_[i] = dx_[i]; });
+    }
+  factorization_.solve_components(dx_, running_);
+  if (!refining_.empty()) (void)factorization_.refine(rhs_, dx_, refining_, 2);
   const auto ports = problem_.ports();
   for (std::size_t b = 0; b < ports.size(); ++b) {
     if (port_lists_[b].running.empty()) continue;

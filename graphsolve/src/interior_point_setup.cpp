@@ -55,6 +55,7 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   outcomes_.resize(components);
   running_.reserve(components);
   keep_running_.reserve(components);
+  refining_.reserve(components);
 }
 
 void InteriorPoint::find_row_ranges() {
@@ -185,7 +186,7 @@ void InteriorPoint::set_default_scales() {
       for (int i = 0; i < s.dimension(k); ++i) {
         double& scale = row_scale_[s.row(k) + i];
         if (!std::isnan(scale)) continue;
-        const double diagonal = factorization_.values()[s.pivot(k).diagonal + i * (s.dimension(k) + 1)];
+        const double diagonal = factorization_.values()[s.pivot(k).diagonal + i * (s.dimension(k) + 1) * s.pivot(k).stride];
         scale = diagonal > 0 ? 1 / diagonal : 1.0;
       }
   }

@@ -31,7 +31,7 @@ inline Eigen::SparseMatrix<double> sparse_matrix(const Symbolic& s, std::span<co
     const int row = s.row(s.position(a)), column = s.row(s.position(b));
     for (int j = 0; j < h.columns; ++j)
       for (int i = 0; i < h.rows; ++i)
-        if (const double value = values[h.offset + j * h.rows + i]; value != 0) entries.emplace_back(row + i, column + j, value);
+        if (const double value = values[h.place(i, j)]; value != 0) entries.emplace_back(row + i, column + j, value);
   });
   Eigen::SparseMatrix<double> a(s.rows(), s.rows());
   a.setFromTriplets(entries.begin(), entries.end());

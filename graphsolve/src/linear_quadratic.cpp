@@ -44,7 +44,7 @@ void QuadraticCost::wire(const Wiring& wiring) {
         for (const NodeId node : cost.nodes) {
           const BlockHandle block = wiring.block(node, column_node);
           for (int row = 0; row < block.rows; ++row)
-            if (!cost.diagonal || row == column) cost.entry.push_back(block.offset + column * block.rows + row);
+            if (!cost.diagonal || row == column) cost.entry.push_back(block.place(row, column));
         }
   }
 }
@@ -83,7 +83,7 @@ void LinearConstraint::wire(const Wiring& wiring) {
       const NodeId node = c.nodes[j + 1];
       const BlockHandle down = wiring.block(c.nodes[0], node);
       check_length("matrix of constraint", i, c.matrix[j].size(), static_cast<std::size_t>(down.rows) * down.columns);
-      c.place.push_back({wiring.row(node), down.columns, down.offset, wiring.block(node, c.nodes[0]).offset});
+      c.place.push_back({wiring.row(node), down.columns, down, wiring.block(node, c.nodes[0])});
     }
   }
 }
@@ -102,8 +102,8 @@ void LinearConstraint::evaluate(Instances instances, std::span<const double> x, 
           residual[c.row + r] += *a * x[p.row + k];
           residual[p.row + k] -= *a * x[c.row + r];
           if (!values) continue;
-          values[p.down + k * rows + r] += *a;
-          values[p.across + r * p.columns + k] -= *a;
+          values[p.down.place(r, k)] += *a;
+          values[p.across.place(k, r)] -= *a;
         }
     }
   }

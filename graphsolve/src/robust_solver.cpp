@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "graphsolve/io/block_view.hpp"
 #include "kept_matrix.hpp"
 #include "threshold_pivoting.hpp"
 
@@ -118,7 +119,9 @@ struct RobustSolver::Impl {
     f.keep_matrix(true);
     f.set_saddle_shift(saddle_shift);
     each_matrix_block(first.symbolic(), [&](NodeId a, NodeId b, const BlockHandle& from) {
-      std::copy_n(first.matrix().begin() + from.offset, from.rows * from.columns, f.block(f.symbolic().block(a, b)));
+      const BlockHandle to = f.symbolic().block(a, b);
+      for (int j = 0; j < from.columns; ++j)
+        for (int i = 0; i < from.rows; ++i) f.entry(to, i, j) = first.matrix()[from.place(i, j)];
     });
     Factorization::Outcome o = f.factorize();
     return {std::move(f), o};
@@ -127,7 +130,7 @@ struct RobustSolver::Impl {
   double largest_diagonal(NodeId node) const {
     const BlockHandle h = first.symbolic().block(node, node);
     double largest = 0;
-    for (int i = 0; i < h.rows; ++i) largest = std::max(largest, std::abs(values[h.offset + i * (h.rows + 1)]));
+    for (int i = 0; i < h.rows; ++i) largest = std::max(largest, std::abs(values[h.place(i, i)]));
     return largest;
   }
 
@@ -179,7 +182,7 @@ struct RobustSolver::Impl {
   double remainder(const Eigen::VectorXd& y) const {
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(y.size()), magnitude = sum, size = sum;
     each_matrix_block(first.symbolic(), [&](NodeId r, NodeId c, const BlockHandle& h) {
-      const Eigen::Map<const Eigen::MatrixXd> block(first.matrix().data() + h.offset, h.rows, h.columns);
+      const ConstBlockView block = block_view(first.matrix(), h);
       const auto part = y.segment(graph.row(r), h.rows);
       const Eigen::Index column = graph.row(c);
       sum.segment(column, h.columns) += block.transpose() * part;
@@ -220,7 +223,7 @@ struct RobustSolver::Impl {
     std::string found;
     each_matrix_block(first.symbolic(), [&](NodeId r, NodeId c, const BlockHandle& h) {
       for (int i = 0; i < h.rows * h.columns && found.empty(); ++i)
-        if (const double value = first.matrix()[h.offset + i]; !std::isfinite(value))
+        if (const double value = first.matrix()[h.place(i % h.rows, i / h.rows)]; !std::isfinite(value))
           found = "entry (" + std::to_string(i % h.rows) + ", " + std::to_string(i / h.rows) + ") of block ('" +
                   std::string(graph.name(r)) + "', '" + std::string(graph.name(c)) + "') is " + number(value);
     });

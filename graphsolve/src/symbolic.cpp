@@ -12,7 +12,8 @@
 
 namespace graphsolve {
 
-Symbolic::Symbolic(const BlockGraph& graph, const Ordering& ordering) : rows_(graph.rows()) {
+Symbolic::Symbolic(const BlockGraph& graph, const Ordering& ordering, Packs packs)
+    : rows_(graph.rows()), packs_(packs) {
   const int n = graph.size();
   if (static_cast<int>(ordering.sequence.size()) != n)
     throw std::invalid_argument("ordering has " + std::to_string(ordering.sequence.size()) + " nodes, the graph " +
@@ -37,14 +38,16 @@ Symbolic::Symbolic(const BlockGraph& graph, const Ordering& ordering) : rows_(gr
                   .parent = -1,
                   .saddle = graph.kind(node) == NodeKind::saddle,
                   .may_depend = graph.kind(node) == NodeKind::saddle,
-                  .begin = 0, .end = 0, .coupled_rows = 0,
-                  .diagonal = 0, .lower = 0, .upper = 0, .targets = -1, .stride = 0};
+                  .begin = 0, .end = 0, .coupled_rows = 0, .stride = 1,
+                  .diagonal = 0, .lower = 0, .upper = 0, .targets = -1, .target_stride = 0};
   }
   find_uncertain(graph);
   find_structure(graph);
-  lay_out();
+  const auto program = std::make_shared<simd::Program>(*this, packs);
+  lay_out(*program);
   plan_updates();
-  program_ = std::make_shared<const simd::Program>(*this);
+  program->find_targets(*this);
+  program_ = program;
   for (const auto& step : program_->steps()) {
     const Pivot& p = pivots_[step.pack < 0 ? step.pivot : program_->pack(step.pack).pivot[0]];
     const std::int64_t d = p.dimension, m = p.coupled_rows;
@@ -71,11 +74,11 @@ void Symbolic::count_memory() {
   const std::int64_t numbers =
       sizeof(Factorization) + bytes(values_size_, sizeof(double)) +
       bytes(rows_, 2 * sizeof(int) + 2 * sizeof(double) + sizeof(Factorization::DroppedRow)) +
-      bytes(pivots(), 2 * sizeof(int) + 2 * sizeof(char)) + bytes(uncertain, sizeof(int)) + bytes(spread, sizeof(double)) +
+      bytes(pivots(), 2 * sizeof(int) + 3 * sizeof(char)) + bytes(uncertain, sizeof(int)) + bytes(spread, sizeof(double)) +
       bytes(2 * std::int64_t{largest} * largest + 3 * largest, sizeof(double)) +
-      bytes(components(), sizeof(Factorization::Outcome) + sizeof(char));
-  const std::int64_t packed = bytes(program_->factor_size() + program_->scratch_size(), sizeof(double)) +
-                              bytes(pivots(), sizeof(int)) + program_->packs();
+      bytes(components(), sizeof(Factorization::Outcome) + 2 * sizeof(int));
+  const std::int64_t packed = bytes(program_->scratch_size(), sizeof(double)) + program_->packs() +
+                              static_cast<std::int64_t>(program_->groups().size());
   counts_.memory = plan + numbers + packed;
 }
 
@@ -169,15 +172,29 @@ void Symbolic::find_structure(const BlockGraph& graph) {
   for (const int h : height) counts_.tree_height = std::max(counts_.tree_height, h);
 }
 
-/// One arena in pivot order: diagonal block, blocks below, blocks to the right.
-void Symbolic::lay_out() {
+/// One arena in the order of the program: diagonal block, blocks below, blocks to the right; of a pack interleaved.
+void Symbolic::lay_out(simd::Program& program) {
+  for (int i = 0; i < static_cast<int>(program.groups().size()); ++i) {
+    if (packs_ == Packs::on) values_size_ = (values_size_ + simd::lanes - 1) / simd::lanes * simd::lanes;
+    const std::int64_t begin = values_size_;
+    for (const auto& step : program.steps(program.groups()[i])) {
+      if (step.pack < 0) {
+        place(step.pivot, values_size_, 1);
+        values_size_ += pivots_[step.pivot].scalars();
+        continue;
+      }
+      const simd::PivotPack& pack = program.pack(step.pack);
+      values_size_ = (values_size_ + pack.lanes - 1) / pack.lanes * pack.lanes;
+      program.set_place(step.pack, values_size_);
+      for (int l = 0; l < pack.lanes; ++l)
+        if (pack.used >> l & 1u) place(pack.pivot[l], values_size_ + l, pack.lanes);
+      values_size_ += pivots_[pack.pivot[0]].scalars() * pack.lanes;
+    }
+    program.set_extent(i, begin, values_size_);
+  }
   block_offset_.resize(coupled_.size());
-  for (Pivot& p : pivots_) {
-    const std::int64_t d = p.dimension, panel = d * p.coupled_rows;
-    p.diagonal = values_size_;
-    p.lower = p.diagonal + d * d;
-    p.upper = p.lower + panel;
-    values_size_ = p.upper + panel;
+  for (const Pivot& p : pivots_) {
+    const std::int64_t d = p.dimension, r = p.coupled_rows;
     std::int64_t offset = 0;
     for (int e = p.begin; e < p.end; ++e) {
       block_offset_[e] = offset;
@@ -187,14 +204,22 @@ void Symbolic::lay_out() {
       else counts_.matrix_scalars += 2 * scalars;
     }
     counts_.matrix_scalars += d * d;
-    const std::int64_t r = p.coupled_rows;
+    counts_.stored_scalars += p.scalars();
     counts_.operations += lu_operations(d) + r * d * d + d * r * r;
     counts_.symmetric_operations += ldlt_operations(d) + r * d * d + d * r * (r + 1) / 2;
-    counts_.solve_operations += d * d + 2 * panel;
+    counts_.solve_operations += d * d + 2 * d * r;
     counts_.largest_front = std::max(counts_.largest_front, p.dimension + p.coupled_rows);
   }
-  counts_.stored_scalars = values_size_;
   counts_.stored_blocks = pivots() + 2 * static_cast<std::int64_t>(coupled_.size());
+}
+
+void Symbolic::place(int pivot, std::int64_t offset, int stride) {
+  Pivot& p = pivots_[pivot];
+  const std::int64_t d = p.dimension;
+  p.stride = stride;
+  p.diagonal = offset;
+  p.lower = p.diagonal + d * d * stride;
+  p.upper = p.lower + d * p.coupled_rows * stride;
 }
 
 /// Offsets of the blocks that the elimination of each pivot updates: for couplings i, j the block (i, j). A pivot often
@@ -208,15 +233,15 @@ void Symbolic::plan_updates() {
     const int m = p.end - p.begin;
     if (p.targets < 0) {
       p.targets = size;
-      p.stride = m;
+      p.target_stride = m;
       size += static_cast<std::int64_t>(m) * m;
       owners.push_back(k);
     }
     if (m < 2) continue;
     Pivot& parent = pivots_[p.parent];
     if (parent.end - parent.begin != m - 1) continue;
-    parent.targets = p.targets + p.stride + 1;
-    parent.stride = p.stride;
+    parent.targets = p.targets + p.target_stride + 1;
+    parent.target_stride = p.target_stride;
   }
   targets_.resize(size);
   for (const int k : owners) {
@@ -230,8 +255,8 @@ void Symbolic::plan_updates() {
       int e = pi.begin;
       for (int j = i + 1; j < m; ++j) {
         while (coupled_[e] != later[j]) ++e;  // the coupling exists: that is what fill means
-        target[i * m + j] = pi.upper + block_offset_[e];
-        target[j * m + i] = pi.lower + block_offset_[e];
+        target[i * m + j] = pi.upper + block_offset_[e] * pi.stride;
+        target[j * m + i] = pi.lower + block_offset_[e] * pi.stride;
       }
     }
   }
@@ -250,10 +275,11 @@ int Symbolic::find(int pivot, int later) const {
 BlockHandle Symbolic::block(NodeId a, NodeId b) const {
   const int i = position_[a.index], j = position_[b.index];
   const Pivot &pi = pivots_[i], &pj = pivots_[j];
-  if (i == j) return {pi.diagonal, pi.dimension, pi.dimension};
+  if (i == j) return {pi.diagonal, pi.dimension, pi.dimension, pi.stride};
   const int e = i < j ? find(i, j) : find(j, i);
   if (e < 0) throw std::invalid_argument("no block between nodes " + std::to_string(a.index) + " and " + std::to_string(b.index));
-  return {(i < j ? pi.upper : pj.lower) + block_offset_[e], pi.dimension, pj.dimension};
+  const Pivot& owner = i < j ? pi : pj;
+  return {(i < j ? pi.upper : pj.lower) + block_offset_[e] * owner.stride, pi.dimension, pj.dimension, owner.stride};
 }
 
 }  // namespace graphsolve

@@ -4,55 +4,71 @@
 #include <cmath>
 
 #include "rotation.hpp"
+#include "simd/placement.hpp"
 
 namespace physics {
 
 void Bodies::wire(const graphsolve::Wiring& wiring) {
-  block_.clear();
+  std::vector<Placed> placed;
   for (int i = 0; i < size(); ++i) {
     row[i] = wiring.row(node_[i]);
-    block_.push_back(wiring.block(node_[i], node_[i]));
+    placed.push_back({0, wiring.block(node_[i], node_[i])});
   }
+  place_ = places_in_octets(placed);
+  const int octets = octets_for(1 + *std::max_element(place_.begin(), place_.end()));
+  constants_.assign(octets, {});
+  groups_.resize(octets);
+  blocks_.assign(octets, {});
+  body_at_.assign(octets * graphsolve::simd::lanes, -1);
+  for (int i = 0; i < size(); ++i) {
+    blocks_[octet_of(place_[i])].set(lane_of(place_[i]), placed[i].block);
+    body_at_[place_[i]] = i;
+    set_octet(i);
+  }
+  for (auto& blocks : blocks_) blocks.finish();
 }
 
 void Bodies::add(const RigidBody& body, graphsolve::NodeId node) {
-  const int i = size();
-  mass.push_back(0);
-  inertia.emplace_back();
   node_.push_back(node);
   row.push_back(-1);
   now.emplace_back();
   next.emplace_back();
   known_linear.emplace_back(Vec3::Zero());
   known_angular.emplace_back(Vec3::Zero());
-  constants_.resize(octets_for(size()));
-  groups_.resize(octets_for(size()));
-  set(i, body);
+  mass.push_back(body.mass);
+  inertia.push_back(body.inertia);
 }
 
 void Bodies::set(int i, const RigidBody& body) {
   mass[i] = body.mass;
   inertia[i] = body.inertia;
-  BodyOctet& octet = constants_[octet_of(i)];
-  octet.mass[lane_of(i)] = body.mass;
-  for (int k = 0; k < 9; ++k) octet.inertia[k][lane_of(i)] = body.inertia.data()[k];
+  set_octet(i);
+}
+
+void Bodies::set_octet(int i) {
+  BodyOctet& octet = constants_[octet_of(place_[i])];
+  const int lane = lane_of(place_[i]);
+  octet.mass[lane] = mass[i];
+  for (int k = 0; k < 9; ++k) octet.inertia[k][lane] = inertia[i].data()[k];
 }
 
 void Bodies::evaluate(graphsolve::Instances instances, std::span<const double> x, std::span<double> residual,
                       double* values) {
-  groups_.each(instances.index, [](int i) { return i; }, [&](int octet, unsigned used) {
+  groups_.each(instances.index, [&](int i) { return place_[i]; }, [&](int octet, unsigned used) {
     BodyTask task;
     task.constants = &constants_[octet];
     task.used = used;
     task.dt = dt;
-    each_lane(octet, used, [&](int lane, int i) {
+    task.values = values;
+    task.blocks = &blocks_[octet];
+    each_lane(octet, used, [&](int lane, int place) {
+      const int i = body_at_[place];
       task.velocity[lane] = x.data() + row[i];
       task.now[lane] = now[i].x.data();
       task.next[lane] = next[i].x.data();
       task.known_linear[lane] = known_linear[i].data();
       task.known_angular[lane] = known_angular[i].data();
       task.residual[lane] = residual.data() + row[i];
-      task.block[lane] = values ? values + block_[i].offset : nullptr;
     });
     evaluate_bodies(task);
   });

@@ -31,7 +31,7 @@ class Bodies final : public graphsolve::Term {
   static constexpr double largest_turn = 1.98;  ///< bound on |w| dt
 
   void add(const RigidBody& body, graphsolve::NodeId node);
-  /// Other numbers for body i.
+  /// Other numbers for body i, once it is wired.
   void set(int i, const RigidBody& body);
 
   // By body.
@@ -67,8 +67,11 @@ class Bodies final : public graphsolve::Term {
 
  private:
   std::vector<graphsolve::NodeId> node_;
-  std::vector<graphsolve::BlockHandle> block_;
+  void set_octet(int i);
+  // Bodies in octets, known once they are wired.
+  std::vector<int> place_, body_at_;
   std::vector<BodyOctet> constants_;  ///< mass and inertia once more
+  std::vector<graphsolve::simd::LaneBlocks> blocks_;  ///< by octet
   OctetGroups groups_;
 };
 

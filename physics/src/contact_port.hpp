@@ -40,7 +40,7 @@ class ContactPort {
 
   void wire(const graphsolve::Wiring& wiring) {
     row_ = wiring.row(nodes[0]);
-    offset_in_values_ = wiring.block(nodes[0], nodes[0]).offset;
+    block_ = wiring.block(nodes[0], nodes[0]);
   }
 
   /// Signed distance at a pose [m].
@@ -107,7 +107,6 @@ class ContactPort {
     }
   }
   void add_condensed(const double* k, double* values) const {
-    double* block = values + offset_in_values_;
     double across[6][rows], force[6][rows];
     for (int c = 0; c < 3; ++c) {
       across[c][0] = force[c][0] = g_.normal[c];
@@ -127,13 +126,13 @@ class ContactPort {
       for (int i = 0; i < 6; ++i) {
         double sum = 0;
         for (int r = 0; r < rows; ++r) sum += force[i][r] * kj[r];
-        block[c * 6 + i] += sum;
+        values[block_.place(i, c)] += sum;
       }
     }
   }
 
   [[nodiscard]] int row() const { return row_; }
-  [[nodiscard]] std::int64_t offset_in_values() const { return offset_in_values_; }
+  [[nodiscard]] const graphsolve::BlockHandle& block() const { return block_; }
 
   /// What the contact is and where its forces act, 23 numbers in this order as kernels read them.
   struct Geometry {
@@ -149,7 +148,7 @@ class ContactPort {
   Bodies* bodies_;
   int body_;
   int row_ = -1;
-  std::int64_t offset_in_values_ = -1;
+  graphsolve::BlockHandle block_;
   Geometry g_;
   Vec3 rate_normal_ = Vec3::Zero();
 };

@@ -69,8 +69,6 @@ StepGradient::Impl::Impl(Simulator::Impl& owner, const GradientSettings& options
                                 StepInput::mass, StepInput::inertia})
     widest = std::max(widest, columns(input));
   product.resize(pass_columns, widest);
-  // One factorization, then up to hundreds of transposed solves, which are faster one by one.
-  matrix.use_packs(graphsolve::Packs::off);
 }
 
 StepGradient::Impl::Rewound::Rewound(Impl& owner) : owner_(owner) {

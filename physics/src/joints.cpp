@@ -1,8 +1,11 @@
 #include "joints.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "motor.hpp"
+#include "simd/placement.hpp"
 
 namespace physics {
 
@@ -71,25 +74,10 @@ void Joints::add(const JointGeometry& geometry, const Motor* motor, graphsolve::
   joint.node_count = 1;
   if (geometry.child >= 0) joint.nodes[joint.node_count++] = bodies_.node(geometry.child);
   if (geometry.parent >= 0) joint.nodes[joint.node_count++] = bodies_.node(geometry.parent);
-  joint.place = take_place(rows_kind(geometry, motor));
   joints_.push_back(joint);
   to_aim_.reserve(joints_.size());
   wrenches_.emplace_back();
   set(size() - 1, geometry, motor);
-}
-
-/// A lane in an octet of joints with such rows.
-int Joints::take_place(JointRows rows) {
-  int& next = next_place_[static_cast<int>(rows)];
-  if (lane_of(next) == 0) {
-    next = static_cast<int>(joint_at_.size());
-    octets_.emplace_back();
-    octet_rows_.push_back(rows);
-    joint_at_.resize(next + graphsolve::simd::lanes, -1);
-    groups_.resize(static_cast<int>(octets_.size()));
-  }
-  joint_at_[next] = size();
-  return next++;
 }
 
 void Joints::set(int i, const JointGeometry& geometry, const Motor* motor) {
@@ -102,10 +90,11 @@ void Joints::set(int i, const JointGeometry& geometry, const Motor* motor) {
   const Mat3 frame = frame_about(geometry.axis);
   joint.translation = geometry.type == JointType::prismatic ? frame : Mat3::Identity();
   joint.rotation = geometry.type == JointType::revolute ? frame : Mat3::Identity();
-  set_octet(geometry, frame, octets_[octet_of(joint.place)], lane_of(joint.place));
+  if (joint.place >= 0) set_octet(geometry, frame, octets_[octet_of(joint.place)], lane_of(joint.place));
 }
 
 void Joints::wire(const graphsolve::Wiring& wiring) {
+  if (joints_.empty()) return;
   for (Joint& joint : joints_) {
     const auto own = joint.nodes[0];
     joint.row = wiring.row(own);
@@ -121,6 +110,34 @@ void Joints::wire(const graphsolve::Wiring& wiring) {
     connect(joint.geometry.parent, joint.parent_row, joint.to_parent, joint.from_parent, joint.parent_own);
     connect(joint.geometry.child, joint.child_row, joint.to_child, joint.from_child, joint.child_own);
   }
+  place_in_octets();
+}
+
+void Joints::place_in_octets() {
+  std::vector<Placed> placed;
+  for (const Joint& joint : joints_) placed.push_back({static_cast<int>(rows_kind(joint.geometry, joint.motor)), joint.own});
+  const std::vector<int> places = places_in_octets(placed);
+  const int octets = octets_for(1 + *std::max_element(places.begin(), places.end()));
+  const std::vector<JointOctet> before = std::exchange(octets_, std::vector<JointOctet>(octets));
+  octet_rows_.assign(octets, {});
+  blocks_.assign(octets, {});
+  joint_at_.assign(octets * graphsolve::simd::lanes, -1);
+  groups_.resize(octets);
+  for (int i = 0; i < size(); ++i) {
+    Joint& joint = joints_[i];
+    const int octet = octet_of(places[i]), lane = lane_of(places[i]);
+    if (joint.place >= 0) copy_lane(before[octet_of(joint.place)], lane_of(joint.place), octets_[octet], lane);
+    joint.place = places[i];
+    joint_at_[joint.place] = i;
+    octet_rows_[octet] = static_cast<JointRows>(placed[i].kind);
+    set(i, joint.geometry, joint.motor);
+    JointBlocks& blocks = blocks_[octet];
+    const auto& g = joint.geometry;
+    if (g.child >= 0) blocks.to_child.set(lane, joint.to_child), blocks.from_child.set(lane, joint.from_child);
+    if (g.parent >= 0) blocks.to_parent.set(lane, joint.to_parent), blocks.from_parent.set(lane, joint.from_parent);
+  }
+  for (JointBlocks& blocks : blocks_)
+    for (auto* some : {&blocks.to_child, &blocks.from_child, &blocks.to_parent, &blocks.from_parent}) some->finish();
 }
 
 void Joints::violation(const Joint& joint, const Pose& a, const Pose& b, double* g) const {

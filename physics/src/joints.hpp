@@ -84,7 +84,7 @@ class Joints final : public graphsolve::Term {
     Eigen::Matrix<double, 3, 3> translation, rotation;  ///< locked axes as rows, parent frame
     int row = -1, parent_row = -1, child_row = -1;
     graphsolve::BlockHandle own, to_parent, to_child, from_parent, from_child, parent_own, child_own;
-    int place;  ///< lane and octet that hold its numbers and force directions
+    int place = -1;  ///< lane and octet that hold its numbers and force directions, once it is wired
     double coordinate = 0;              ///< of the motor at `now`
     double next_coordinate = 0, saved_coordinate = 0;
     bool limited = false;  ///< the effort at the last point evaluated is at its limit
@@ -102,7 +102,7 @@ class Joints final : public graphsolve::Term {
   [[nodiscard]] Matrix6 parent_force(const Joint& joint) const;  ///< rows x 6
   [[nodiscard]] Matrix6 child_force(const Joint& joint) const;
   double coordinate(const Joint& joint, const Pose& a, const Pose& b) const;
-  int take_place(JointRows rows);
+  void place_in_octets();
   void aim(std::span<const int> joints, bool at_next);
   void evaluate_octet(int octet, unsigned used, std::span<const double> x, std::span<double> residual, double* values);
   void add_forces(int i, std::span<const double> x, std::span<double> residual, double* values);
@@ -117,11 +117,11 @@ class Joints final : public graphsolve::Term {
 
   Bodies& bodies_;
   std::vector<Joint> joints_;
-  // Octets hold joints with equal rows; the last of each kind may have lanes to spare.
+  // Octets hold joints with equal rows.
   std::vector<JointOctet> octets_;
   std::vector<JointRows> octet_rows_;
+  std::vector<JointBlocks> blocks_;
   std::vector<int> joint_at_;               ///< by place
-  std::array<int, joint_row_kinds> next_place_{};  ///< a multiple of 8: in an octet that is not there yet
   OctetGroups groups_;
   std::vector<int> to_aim_;
   std::vector<std::array<double, 12>> wrenches_;  ///< by joint, at the last point evaluated: on child, on parent

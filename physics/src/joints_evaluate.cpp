@@ -1,6 +1,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "graphsolve/io/block_view.hpp"
 #include "joints.hpp"
 
 /// Residual and blocks of all joints at the iterate: octets by kernels, forces and motors one by one.
@@ -17,12 +18,13 @@ void Joints::evaluate(graphsolve::Instances instances, std::span<const double> x
 
 void Joints::evaluate_octet(int octet, unsigned used, std::span<const double> x, std::span<double> residual,
                             double* values) {
-  double nowhere[36];
   JointTask task;
   task.rows = octet_rows_[octet];
   task.octet = &octets_[octet];
   task.used = used;
   task.dt = bodies_.dt;
+  task.values = values;
+  task.blocks = &blocks_[octet];
   each_lane(octet, used, [&](int lane, int place) {
     const int i = joint_at_[place];
     const Joint& joint = joints_[i];
@@ -32,13 +34,6 @@ void Joints::evaluate_octet(int octet, unsigned used, std::span<const double> x,
     task.impulses[lane] = x.data() + joint.row;
     task.residual[lane] = residual.data() + joint.row;
     task.wrenches[lane] = wrenches_[i].data();
-    const auto block = [&](int body, const graphsolve::BlockHandle& handle) {
-      return !values ? nullptr : body < 0 ? nowhere : values + handle.offset;
-    };
-    task.to_child[lane] = block(g.child, joint.to_child);
-    task.to_parent[lane] = block(g.parent, joint.to_parent);
-    task.from_child[lane] = block(g.child, joint.from_child);
-    task.from_parent[lane] = block(g.parent, joint.from_parent);
   });
   evaluate_joints(task);
 }
@@ -57,11 +52,11 @@ void Joints::add_forces(int i, std::span<const double> x, std::span<double> resi
   double diagonal = 0;
   residual[joint.row + 5] += motor_residual(joint, x[joint.row + 5], diagonal);
   if (!values) return;
-  values[joint.own.offset + 5 * 6 + 5] += diagonal;
+  values[joint.own.place(5, 5)] += diagonal;
   if (!joint.limited) return;
   for (int k = 0; k < 6; ++k) {  // the effort no longer answers to the velocity
-    if (joint.parent_row >= 0) values[joint.to_parent.offset + 6 * k + 5] = 0;
-    if (joint.child_row >= 0) values[joint.to_child.offset + 6 * k + 5] = 0;
+    if (joint.parent_row >= 0) values[joint.to_parent.place(5, k)] = 0;
+    if (joint.child_row >= 0) values[joint.to_child.place(5, k)] = 0;
   }
 }
 
@@ -90,7 +85,7 @@ void Joints::add_direction_derivative(const Joint& joint, const Vec3& impulse, d
     if (body < 0) return;
     const Pose& pose = bodies_.next[body];
     const Vec3 local = pose.rotation.transpose() * impulse;
-    Eigen::Map<Eigen::Matrix<double, 6, 6>>(values + block.offset).bottomRightCorner<3, 3>() -=
+    graphsolve::block_view(values, block).bottomRightCorner<3, 3>() -=
         sign * bodies_.dt * skew(point) * skew(local) * pose.turn;
   };
   add(joint.geometry.child, joint.child_own, joint.geometry.child_point, 1);

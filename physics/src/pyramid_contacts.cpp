@@ -1,5 +1,10 @@
 #include "pyramid_contacts.hpp"
 
+#include <algorithm>
+#include <bit>
+
+#include "simd/placement.hpp"
+
 namespace physics {
 
 using graphsolve::Instances;
@@ -20,23 +25,40 @@ PyramidLaw<4> PyramidLane::copy() const {
 }
 
 int PyramidContacts::add(const ContactPort<3>& port) {
-  const int i = size();
   ports_.push_back(port);
-  octets_.resize(octets_for(size()));
-  groups_.resize(octets_for(size()));
-  if (lane_of(i) == 0) one_body_.push_back(1);
-  else if (port.body() != ports_[i - 1].body()) one_body_.back() = 0;
-  return i;
+  return size() - 1;
 }
 
 void PyramidContacts::wire(const graphsolve::Wiring& wiring) {
-  for (auto& port : ports_) port.wire(wiring);
+  if (ports_.empty()) return;
+  std::vector<Placed> placed;
+  for (auto& port : ports_) {
+    port.wire(wiring);
+    placed.push_back({0, port.block()});
+  }
+  place_ = places_in_octets(placed);
+  const int octets = octets_for(1 + *std::max_element(place_.begin(), place_.end()));
+  octets_.assign(octets, {});
+  groups_.resize(octets);
+  blocks_.assign(octets, {});
+  one_body_.assign(octets, 1);
+  contact_at_.assign(octets * graphsolve::simd::lanes, -1);
+  product_.assign(ports_.size(), 0.0);
+  std::vector<int> body(octets, -1);
+  for (int i = 0; i < size(); ++i) {
+    const int octet = octet_of(place_[i]);
+    contact_at_[place_[i]] = i;
+    blocks_[octet].set(lane_of(place_[i]), placed[i].block);
+    if (body[octet] >= 0 && body[octet] != ports_[i].body()) one_body_[octet] = 0;
+    body[octet] = ports_[i].body();
+  }
+  for (auto& blocks : blocks_) blocks.finish();
 }
 
 /// f(task, octet) with what every operation needs.
 template <class F>
 void PyramidContacts::each_octet(std::span<const int> contacts, F&& f) const {
-  groups_.each(contacts, [](int i) { return i; }, [&](int octet, unsigned used) {
+  groups_.each(contacts, [&](int i) { return place_[i]; }, [&](int octet, unsigned used) {
     ContactTask task;
     task.octet = &octets_[octet];
     task.used = used;
@@ -46,36 +68,39 @@ void PyramidContacts::each_octet(std::span<const int> contacts, F&& f) const {
   });
 }
 
-namespace {
-
-/// What belongs to the component of each lane.
-void take(Octet& to, const ContactTask& task, int octet, const Instances& instances, std::span<const double> from) {
-  each_lane(octet, task.used, [&](int lane, int i) { to[lane] = from[instances.component[i]]; });
+/// f(lane, contact) for all eight lanes; those that are not used stand in for one that is.
+template <class F>
+void PyramidContacts::each_contact(int octet, unsigned used, F&& f) const {
+  each_lane(octet, used, [&](int lane, int place) { f(lane, contact_at_[place]); });
 }
 
-/// Results of the used lanes: f(component, lane), in the order of the contacts.
+/// What belongs to the component of each lane.
+void PyramidContacts::take(Octet& to, const ContactTask& task, int octet, const Instances& instances,
+                           std::span<const double> from) const {
+  each_contact(octet, task.used, [&](int lane, int i) { to[lane] = from[instances.component[i]]; });
+}
+
+/// Results of the used lanes: f(contact, lane).
 template <class F>
-void give(const ContactTask& task, int octet, const Instances& instances, F&& f) {
+void PyramidContacts::give(const ContactTask& task, int octet, F&& f) const {
   for (unsigned rest = task.used; rest != 0; rest &= rest - 1) {
     const int lane = std::countr_zero(rest);
-    f(instances.component[octet * graphsolve::simd::lanes + lane], lane);
+    f(contact_at_[octet * graphsolve::simd::lanes + lane], lane);
   }
 }
 
-}  // namespace
-
 void PyramidContacts::point_at_poses(ContactTask& task, int octet) const {
-  each_lane(octet, task.used, [&](int lane, int i) { task.pose[lane] = bodies_.next[ports_[i].body()].x.data(); });
+  each_contact(octet, task.used, [&](int lane, int i) { task.pose[lane] = bodies_.next[ports_[i].body()].x.data(); });
 }
 
 void PyramidContacts::point_at_rows(ContactTask& task, int octet, std::span<const double> x) const {
-  each_lane(octet, task.used, [&](int lane, int i) { task.x[lane] = x.data() + ports_[i].row(); });
+  each_contact(octet, task.used, [&](int lane, int i) { task.x[lane] = x.data() + ports_[i].row(); });
 }
 
 void PyramidContacts::remember(Instances instances, double factor) {
   each_octet(instances.index, [&](ContactTask& task, int octet) {
     const double* geometry[graphsolve::simd::lanes];
-    each_lane(octet, task.used, [&](int lane, int i) { geometry[lane] = ports_[i].geometry().point.data(); });
+    each_contact(octet, task.used, [&](int lane, int i) { geometry[lane] = ports_[i].geometry().point.data(); });
     contact_kernels::remember(task, factor, geometry);
   });
 }
@@ -90,7 +115,7 @@ void PyramidContacts::aim_at_next(std::span<const int> contacts) {
     ports_[i].prepare(bodies_.next[ports_[i].body()]);
     for (int t = 0; t < 3; ++t)
       for (int k = 0; k < 3; ++k)
-        octets_[octet_of(i)].lever[t][k][lane_of(i)] = ports_[i].geometry().lever[t][k];
+        octets_[octet_of(place_[i])].lever[t][k][lane_of(place_[i])] = ports_[i].geometry().lever[t][k];
   }
 }
 
@@ -118,7 +143,7 @@ void PyramidContacts::evaluate(Instances instances, std::span<const double> x, s
   each_octet(instances.index, [&](ContactTask& task, int octet) {
     point_at_poses(task, octet);
     point_at_rows(task, octet, x);
-    each_lane(octet, task.used, [&](int lane, int i) { task.rows[lane] = residual.data() + ports_[i].row(); });
+    each_contact(octet, task.used, [&](int lane, int i) { task.rows[lane] = residual.data() + ports_[i].row(); });
     contact_kernels::evaluate(task);
   });
 }
@@ -128,9 +153,9 @@ void PyramidContacts::natural_error(Instances instances, std::span<const double>
   each_octet(instances.index, [&](ContactTask& task, int octet) {
     take(task.second, task, octet, instances, scale);
     contact_kernels::natural_error(task);
-    give(task, octet, instances, [&](int c, int lane) {
-      graphsolve::keep_largest(error[c], task.out[lane]);
-      graphsolve::keep_largest(product[c], task.also_out[lane]);
+    give(task, octet, [&](int i, int lane) {
+      graphsolve::keep_largest(error[instances.component[i]], task.out[lane]);
+      graphsolve::keep_largest(product[instances.component[i]], task.also_out[lane]);
     });
   });
 }
@@ -138,7 +163,8 @@ void PyramidContacts::natural_error(Instances instances, std::span<const double>
 void PyramidContacts::condense(Instances instances, std::span<const double> largest_ratio, double* values) {
   each_octet(instances.index, [&](ContactTask& task, int octet) {
     take(task.first, task, octet, instances, largest_ratio);
-    each_lane(octet, task.used, [&](int lane, int i) { task.block[lane] = values + ports_[i].offset_in_values(); });
+    task.values = values;
+    task.blocks = &blocks_[octet];
     contact_kernels::condense(task);
   });
 }
@@ -148,7 +174,7 @@ void PyramidContacts::right_hand_side(Instances instances, std::span<const doubl
   each_octet(instances.index, [&](ContactTask& task, int octet) {
     take(task.first, task, octet, instances, mu);
     take(task.second, task, octet, instances, correction);
-    each_lane(octet, task.used, [&](int lane, int i) { task.rows[lane] = rhs.data() + ports_[i].row(); });
+    each_contact(octet, task.used, [&](int lane, int i) { task.rows[lane] = rhs.data() + ports_[i].row(); });
     contact_kernels::right_hand_side(task);
   });
 }
@@ -163,7 +189,7 @@ void PyramidContacts::recover(Instances instances, std::span<const double> dx) {
 void PyramidContacts::boundary_ratio(Instances instances, std::span<double> ratio) const {
   each_octet(instances.index, [&](ContactTask& task, int octet) {
     contact_kernels::boundary_ratio(task);
-    give(task, octet, instances, [&](int c, int lane) { graphsolve::keep_largest(ratio[c], task.out[lane]); });
+    give(task, octet, [&](int i, int lane) { graphsolve::keep_largest(ratio[instances.component[i]], task.out[lane]); });
   });
 }
 
@@ -172,8 +198,10 @@ void PyramidContacts::complementarity(Instances instances, std::span<const doubl
   each_octet(instances.index, [&](ContactTask& task, int octet) {
     take(task.first, task, octet, instances, alpha);
     contact_kernels::complementarity(task);
-    give(task, octet, instances, [&](int c, int lane) { sum[c] += task.out[lane]; });
+    give(task, octet, [&](int i, int lane) { product_[i] = task.out[lane]; });
   });
+  // In the order of the contacts, whatever octets they are in: the sum in bits depends on it.
+  for (const int i : instances.index) sum[instances.component[i]] += product_[i];
 }
 
 void PyramidContacts::accept(Instances instances, std::span<const double> alpha) {
@@ -185,8 +213,8 @@ void PyramidContacts::accept(Instances instances, std::span<const double> alpha)
 
 void PyramidContacts::relax(Instances instances, double damping, std::span<double> change) {
   for (const int i : instances.index) {
-    ContactOctet& o = octets_[octet_of(i)];
-    const int lane = lane_of(i);
+    ContactOctet& o = octets_[octet_of(place_[i])];
+    const int lane = lane_of(place_[i]);
     double &frozen = o.frozen[lane], &held = o.frozen_bound[lane];
     const double moved = relax_bound(law(i).friction_bound(), o.scale[lane], damping, frozen, held);
     graphsolve::keep_largest(change[instances.component[i]], moved);

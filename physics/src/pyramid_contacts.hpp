@@ -38,12 +38,13 @@ class PyramidContacts final : public graphsolve::PortBatch {
   int add(const ContactPort<3>& port);
   [[nodiscard]] ContactPort<3>& port(int i) { return ports_[i]; }
   [[nodiscard]] const ContactPort<3>& port(int i) const { return ports_[i]; }
-  [[nodiscard]] PyramidLane law(int i) { return {octets_[octet_of(i)], lane_of(i)}; }
+  /// Once they are wired.
+  [[nodiscard]] PyramidLane law(int i) { return {octets_[octet_of(place_[i])], lane_of(place_[i])}; }
 
   [[nodiscard]] int size() const override { return static_cast<int>(ports_.size()); }
   [[nodiscard]] std::span<const graphsolve::NodeId> nodes(int i) const override { return ports_[i].nodes; }
   [[nodiscard]] int degree(int) const override { return ContactOctet::pairs; }
-  [[nodiscard]] double scale(int i) const override { return octets_[octet_of(i)].scale[lane_of(i)]; }
+  [[nodiscard]] double scale(int i) const override { return octets_[octet_of(place_[i])].scale[lane_of(place_[i])]; }
   void wire(const graphsolve::Wiring& wiring) override;
 
   void remember(graphsolve::Instances instances, double factor) override;
@@ -67,13 +68,23 @@ class PyramidContacts final : public graphsolve::PortBatch {
  private:
   template <class F>
   void each_octet(std::span<const int> contacts, F&& f) const;
+  template <class F>
+  void each_contact(int octet, unsigned used, F&& f) const;
+  void take(Octet& to, const ContactTask& task, int octet, const graphsolve::Instances& instances,
+            std::span<const double> from) const;
+  template <class F>
+  void give(const ContactTask& task, int octet, F&& f) const;
   void point_at_poses(ContactTask& task, int octet) const;
   void point_at_rows(ContactTask& task, int octet, std::span<const double> x) const;
   void aim_at_next(std::span<const int> contacts);
 
   Bodies& bodies_;
   std::vector<ContactPort<3>> ports_;
+  // Contacts in octets, known once they are wired.
+  std::vector<int> place_, contact_at_;
   std::vector<char> one_body_;  ///< by octet: its contacts are on the same body
+  std::vector<graphsolve::simd::LaneBlocks> blocks_;  ///< by octet
+  mutable std::vector<double> product_;               ///< by contact, to be summed up
   mutable std::vector<ContactOctet> octets_;
   mutable OctetGroups groups_;
 };

@@ -43,7 +43,6 @@ void expect_no_allocation(const Problem& problem, Factorization& f, const std::s
   f.keep_matrix(true);
   for (int round = 0; round < 2; ++round) {
     families::load(problem.matrix, problem.graph, f.symbolic(), f.values());
-    f.use_packs(round == 0 ? Packs::on : Packs::off);
     const Counting counting;
     ASSERT_TRUE(f.factorize().ok()) << what;
     f.solve(one);

@@ -43,8 +43,7 @@ struct Way {
 
 Result run(const Problem& problem, const Way& way) {
   const Ordering ordering = way.wide ? wide_ordering(problem.graph) : minimum_fill_ordering(problem.graph);
-  Factorization f(std::make_shared<const Symbolic>(problem.graph, ordering), way.kind);
-  f.use_packs(way.packs);
+  Factorization f(std::make_shared<const Symbolic>(problem.graph, ordering, way.packs), way.kind);
   families::load(problem.matrix, problem.graph, f.symbolic(), f.values());
   Result result{.outcome = f.factorize(), .x = problem.right, .transposed = problem.right};
   f.solve(view(result.x));
@@ -140,27 +139,6 @@ TEST_P(InstructionSets, AComponentIsTheSameInBitsInAnyCompany) {
         })) << problem.name;
       }
     }
-}
-
-/// Refactorization wants pivots one by one, and says so by itself: whatever use_packs said before or after.
-TEST(Packs, AreOffWhereFactorsAreAppliedAgainAndOnlyThere) {
-  const Problem problem = families::make_problem({.family = families::Family::tree, .n = 40});
-  const auto symbolic = std::make_shared<const Symbolic>(problem.graph, minimum_fill_ordering(problem.graph));
-  const auto factors = [&](bool again, bool packs_last) {
-    Factorization f(symbolic);
-    if (packs_last && again) f.allow_refactorization();
-    f.use_packs(Packs::on);
-    if (!packs_last && again) f.allow_refactorization();
-    f.keep_matrix(again);
-    families::load(problem.matrix, problem.graph, *symbolic, f.values());
-    const std::vector<double> before(f.values().begin(), f.values().end());
-    EXPECT_TRUE(f.factorize().ok());
-    // In packs the first pivot's own block stays as it was.
-    return !std::equal(before.begin(), before.begin() + symbolic->dimension(0) * symbolic->dimension(0), f.values().begin());
-  };
-  EXPECT_FALSE(factors(false, false)) << "packs are the default";
-  EXPECT_TRUE(factors(true, false));
-  EXPECT_TRUE(factors(true, true));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, InstructionSets, testing::ValuesIn(simd::instruction_sets()),

@@ -9,6 +9,7 @@
 
 #include "graphsolve/bound.hpp"
 #include "graphsolve/derivative_check.hpp"
+#include "graphsolve/io/block_view.hpp"
 #include "graphsolve/nonnegative.hpp"
 #include "graphsolve/ordering.hpp"
 
@@ -48,7 +49,7 @@ class ChainQuadratic final : public Term {
     const Eigen::Map<const Eigen::VectorXd> at(x.data(), h.rows());
     Eigen::Map<Eigen::VectorXd>(residual.data(), h.rows()) += h * at + g;
     for (const auto& b : blocks_)
-      if (values) Eigen::Map<Eigen::Matrix2d>(values + b.handle.offset) += h.block<2, 2>(2 * b.row, 2 * b.column);
+      if (values) block_view(values, b.handle) += h.block<2, 2>(2 * b.row, 2 * b.column);
   }
 
  private:
@@ -266,7 +267,7 @@ TEST(DerivativeCheck, AcceptsARightTermAndNamesTheWrongEntryOfAWrongOne) {
     void wire(const Wiring& wiring) override { block_ = wiring.block(node_, node_); }
     void evaluate(Instances, std::span<const double> at, std::span<double> residual, double* values) override {
       residual[2] += at[3] * at[3];
-      if (values) values[block_.offset + 2] += 2.1 * at[3];  // entry (0, 1): should be 2 x_3
+      if (values) values[block_.place(0, 1)] += 2.1 * at[3];  // entry (0, 1): should be 2 x_3
     }
 
    private:

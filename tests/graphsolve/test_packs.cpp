@@ -20,13 +20,12 @@ struct KeepInstructionSet {
   ~KeepInstructionSet() { simd::use_instruction_set(before); }
 };
 
-std::shared_ptr<const Symbolic> symbolic_of(const BlockGraph& graph) {
-  return std::make_shared<const Symbolic>(graph, minimum_fill_ordering(graph));
+std::shared_ptr<const Symbolic> symbolic_of(const BlockGraph& graph, Packs packs = Packs::on) {
+  return std::make_shared<const Symbolic>(graph, minimum_fill_ordering(graph), packs);
 }
 
 Eigen::VectorXd solution(const BlockGraph& graph, const Eigen::MatrixXd& matrix, Packs packs, bool transposed) {
-  Factorization f(symbolic_of(graph));
-  f.use_packs(packs);
+  Factorization f(symbolic_of(graph, packs));
   families::load(matrix, graph, f.symbolic(), f.values());
   EXPECT_TRUE(f.factorize().ok());
   Eigen::VectorXd x = right_hand_side(graph.rows());
@@ -128,7 +127,7 @@ TEST(Packs, ComponentDoesNotDependOnThoseFactoredWithIt) {
     families::load(matrix, graph, *symbolic, f.values());
     if (spoil) {  // a neighbour in the same packs is not a number
       const auto handle = symbolic->block({0}, {0});
-      f.block(handle)[0] = std::numeric_limits<double>::quiet_NaN();
+      f.entry(handle) = std::numeric_limits<double>::quiet_NaN();
     }
     std::vector<Factorization::Outcome> outcomes(symbolic->components());
     f.factorize(components, outcomes);
@@ -163,11 +162,16 @@ TEST(Packs, ComponentFactoredAgainLeavesTheOthersUsable) {
   // Component 5 anew, with the same numbers.
   Factorization fresh(symbolic);
   families::load(matrix, graph, *symbolic, fresh.values());
-  const auto first = symbolic->pivot(symbolic->component_begin(5)).diagonal;
-  const auto last = symbolic->pivot(symbolic->component_begin(6)).diagonal;
-  std::copy(fresh.values().begin() + first, fresh.values().begin() + last, f.values().begin() + first);
-  std::vector<Factorization::Outcome> outcomes(symbolic->components());
   const int five[] = {5};
+  f.set_zero(five);
+  for (int k = symbolic->component_begin(5); k < symbolic->component_begin(6); ++k) {
+    const Symbolic::Pivot& p = symbolic->pivot(k);
+    for (std::int64_t i = 0, at = p.diagonal; i < p.scalars(); ++i, at += p.stride) {
+      EXPECT_EQ(f.values()[at], 0);
+      f.values()[at] = fresh.values()[at];
+    }
+  }
+  std::vector<Factorization::Outcome> outcomes(symbolic->components());
   f.factorize(five, outcomes);
   Eigen::VectorXd after = right_hand_side(graph.rows());
   f.solve(view(after));

@@ -56,7 +56,7 @@ TEST(Refactorize, GivesTheBitsOfAWholeFactorizationAndRedoesAncestorsOnly) {
           for (int i = problem.graph.row(node); i < problem.graph.row(node) + problem.graph.dimension(node); ++i)
             changed.matrix.coeffRef(i, i) *= 1.5;
           const BlockHandle handle = partial->symbolic().block(node, node);
-          for (int i = 0; i < handle.rows; ++i) partial->kept_block(handle)[i * (handle.rows + 1)] *= 1.5;
+          for (int i = 0; i < handle.rows; ++i) partial->kept_entry(handle, i, i) *= 1.5;
         }
         auto whole = prepared(changed, kind);
         const auto expected = whole->factorize();
@@ -143,10 +143,10 @@ TEST(Refactorize, AfterAFailureEverythingIsDoneAgain) {
   ASSERT_TRUE(g->factorize().ok());
   const NodeId node{0};
   const BlockHandle handle = g->symbolic().block(node, node);
-  const double before = g->kept_block(handle)[0];
-  g->kept_block(handle)[0] = std::numeric_limits<double>::quiet_NaN();
+  const double before = g->kept_entry(handle);
+  g->kept_entry(handle) = std::numeric_limits<double>::quiet_NaN();
   ASSERT_FALSE(g->refactorize({&node, 1}).ok());
-  g->kept_block(handle)[0] = before;
+  g->kept_entry(handle) = before;
   const auto outcome = g->refactorize({&node, 1});
   ASSERT_TRUE(outcome.ok());
   EXPECT_EQ(outcome.pivots, problem.graph.size());

@@ -75,10 +75,10 @@ BlockGraph pair_graph(NodeKind kind = NodeKind::regular) {
 
 void fill(RobustSolver& solver, double aa, double ab, double ba, double bb) {
   const Symbolic& s = solver.symbolic();
-  *solver.block(s.block({0}, {0})) = aa;
-  *solver.block(s.block({0}, {1})) = ab;
-  *solver.block(s.block({1}, {0})) = ba;
-  *solver.block(s.block({1}, {1})) = bb;
+  solver.entry(s.block({0}, {0})) = aa;
+  solver.entry(s.block({0}, {1})) = ab;
+  solver.entry(s.block({1}, {0})) = ba;
+  solver.entry(s.block({1}, {1})) = bb;
 }
 
 TEST(RobustSolver, ABlockWithoutPivotIsSaidAndSolvedInAnotherOrder) {
@@ -173,7 +173,7 @@ Diagnosis of_matrix(const BlockGraph& graph, const Eigen::Matrix2d& a, Factoriza
   f.allow_refinement();
   f.keep_matrix(true);
   for (int i = 0; i < 2; ++i)
-    for (int j = 0; j < 2; ++j) *f.block(f.symbolic().block({i}, {j})) = a(i, j);
+    for (int j = 0; j < 2; ++j) f.entry(f.symbolic().block({i}, {j})) = a(i, j);
   return diagnose(graph, f, f.factorize());
 }
 

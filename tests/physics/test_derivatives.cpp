@@ -47,6 +47,14 @@ class Derivatives : public testing::Test {
     g.parent_point = a.rotation.transpose() * (b.x + b.rotation * g.child_point - a.x);
     return g;
   }
+  /// Only then are there places for force directions.
+  void wire(graphsolve::BlockGraph& graph, Joints& joints) {
+    for (const NodeId node : joints.nodes(0).subspan(1)) graph.add_edge(joints.nodes(0)[0], node);
+    const graphsolve::Symbolic symbolic(graph, graphsolve::natural_ordering(graph));
+    const graphsolve::Wiring wiring(symbolic, graph);
+    bodies.wire(wiring);
+    joints.wire(wiring);
+  }
   Bodies bodies;
 };
 
@@ -66,6 +74,7 @@ TEST_P(JointDerivatives, MatchCentralDifferences) {
     const NodeId node = graph.add_node("joint", Joints::rows_of(g, driven), graphsolve::NodeKind::saddle);
     Joints joints(bodies);
     joints.add(g, driven, node);
+    wire(graph, joints);
     joints.reset_coordinate(0);
     joints.prepare(0, 0.1, bodies.dt);
     joints.aim();
@@ -87,6 +96,7 @@ TEST_F(Derivatives, SphericalJointWithForcesAtTheNewConfigurationMatchesCentralD
   graph.add_node("b", 6);
   Joints joints(bodies);
   joints.add(g, nullptr, graph.add_node("joint", 3, graphsolve::NodeKind::saddle));
+  wire(graph, joints);
   joints.prepare(0, 0.1, bodies.dt);
   joints.aim();
   bodies.force_at_next = true;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <random>
 
+#include "graphsolve/io/block_view.hpp"
+
 namespace families {
 
 using graphsolve::BlockGraph;
@@ -180,7 +182,7 @@ void load(const Eigen::MatrixXd& dense, const BlockGraph& graph, const graphsolv
   std::fill(values.begin(), values.end(), 0.0);
   each_block(graph, [&](NodeId a, NodeId b) {
     const auto handle = symbolic.block(a, b);
-    Eigen::Map<Eigen::MatrixXd>(values.data() + handle.offset, handle.rows, handle.columns) =
+    graphsolve::block_view(values, handle) =
         dense.block(graph.row(a), graph.row(b), handle.rows, handle.columns);
   });
 }

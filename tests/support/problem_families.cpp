@@ -258,7 +258,7 @@ void load(const Eigen::SparseMatrix<double>& matrix, const BlockGraph& graph, co
       const NodeId a{node_of[entry.row()]};
       if (a.index != last) handle = symbolic.block(a, b);
       last = a.index;
-      values[handle.offset + (j - graph.row(b)) * handle.rows + entry.row() - graph.row(a)] = entry.value();
+      values[handle.place(static_cast<int>(entry.row()) - graph.row(a), j - graph.row(b))] = entry.value();
     }
   }
 }

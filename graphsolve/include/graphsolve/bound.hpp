@@ -21,7 +21,7 @@ class Bound {
   void wire(const Wiring& wiring) {
     row_ = wiring.row(nodes[0]) + component_;
     const BlockHandle block = wiring.block(nodes[0], nodes[0]);
-    entry_ = block.offset + component_ * (block.rows + 1);
+    entry_ = block.place(component_, component_);
   }
   void evaluate(std::span<const double> x, double* u) const { u[0] = sign_ * (x[row_] - limit_); }
   void add_force(const double* f, double* residual, double sign) const { residual[row_] += sign * sign_ * f[0]; }

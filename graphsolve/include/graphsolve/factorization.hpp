@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "graphsolve/aligned.hpp"
 #include "graphsolve/symbolic.hpp"
 
 namespace graphsolve {
@@ -15,15 +16,10 @@ struct Table;
 }
 
 namespace simd {
-class PackedFactor;
 struct PivotPack;
 struct Definite;
-struct PackData;
+struct PackNumbers;
 }  // namespace simd
-
-/// Whether equal pivots are eliminated eight at a time (SIMD, without exchanges of rows where that is sound) or all of
-/// them one by one.
-enum class Packs { on, off };
 
 /// What is known of the matrix, and so how it is factored. All kinds share one Symbolic and one layout.
 ///
@@ -54,20 +50,20 @@ class Factorization {
   Factorization(Factorization&&) noexcept;
   Factorization& operator=(Factorization&&) noexcept;
 
-  /// Another one of the same plan, kind, shift and use of packs; without numbers, and keeping no matrix.
+  /// Another one of the same plan, kind and shift; without numbers, and keeping no matrix.
   [[nodiscard]] Factorization twin() const;
-
-  /// From the next factorization on; `on` at first. Without effect where refactorize() is allowed.
-  void use_packs(Packs packs) { packs_ = packs; }
 
   [[nodiscard]] const Symbolic& symbolic() const { return *symbolic_; }
   [[nodiscard]] FactorizationKind kind() const { return kind_; }
 
   /// The numbers of the matrix, written through BlockHandles. factorize() overwrites them.
   [[nodiscard]] std::span<double> values() { return values_; }
-  [[nodiscard]] double* block(const BlockHandle& handle) { return values_.data() + handle.offset; }
+  /// An entry of a block.
+  [[nodiscard]] double& entry(const BlockHandle& handle, int row = 0, int column = 0) {
+    return values_[handle.place(row, column)];
+  }
   void set_zero();
-  void set_zero(int component);
+  void set_zero(std::span<const int> components);
 
   /// Makes room for a copy of the matrix, which refine() needs; allocates now.
   void allow_refinement();
@@ -103,14 +99,16 @@ class Factorization {
   [[nodiscard]] Outcome factorize();
   [[nodiscard]] Outcome factorize(int component);
   /// Several components, side by side; outcomes by component, others are not touched. The numbers of a component do not
-  /// depend on which others are factored with it.
+  /// depend on which others are factored with it, nor on how many equal ones there are (blocks of up to 6 rows).
   void factorize(std::span<const int> components, std::span<Outcome> outcomes);
 
-  /// Makes room for refactorize(), and for the kept matrix; allocates now. Pivots go one by one from now on,
-  /// whatever use_packs() says.
+  /// Makes room for refactorize(), and for the kept matrix; allocates now. Pivots go one by one from now on, which is
+  /// faster in a Symbolic without packs.
   void allow_refactorization();
-  /// A block of the kept matrix, for new numbers before refactorize().
-  [[nodiscard]] double* kept_block(const BlockHandle& handle) { return matrix_.data() + handle.offset; }
+  /// An entry of a block of the kept matrix, for new numbers before refactorize().
+  [[nodiscard]] double& kept_entry(const BlockHandle& handle, int row = 0, int column = 0) {
+    return matrix_[handle.place(row, column)];
+  }
   /// Factors again after some blocks of the kept matrix changed: the diagonal blocks of the nodes in `changed`, and
   /// couplings with both ends in it. Only these nodes and their ancestors in the elimination tree are done again
   /// (Outcome::pivots), from the kept matrix, after the updates of their other descendants were applied anew: the same
@@ -137,7 +135,8 @@ class Factorization {
   /// x := refined solution of A x = b, until the componentwise backward error is <= 4 eps or no longer falls, the
   /// residual being taken in twice the precision where it stops falling in the plain one. b is not changed. Needs the kept matrix; throws std::logic_error where none was allowed.
   Refinement refine(std::span<const double> b, std::span<double> x, int max_sweeps = 3);
-  Refinement refine(std::span<const double> b, std::span<double> x, int component, int max_sweeps);
+  /// Several components, each until its own error is good; returns the most sweeps and the largest error.
+  Refinement refine(std::span<const double> b, std::span<double> x, std::span<const int> components, int max_sweeps);
 
   /// Rows left out by the last factorize: node and row within it.
   struct DroppedRow {
@@ -152,69 +151,89 @@ class Factorization {
  private:
   [[nodiscard]] bool symmetric() const { return kind_ != FactorizationKind::ldu; }
   [[nodiscard]] bool tracks_reference(int k) const;
-  void keep(int begin, int end);
+  enum class Count { each, together };  ///< by component, or all in the first outcome
+  // Which components take part.
+  void set_active(std::span<const int> components) const;
+  void set_all_active() const;
+  [[nodiscard]] bool takes_part(int pivot) const;
+  template <class F>
+  void each_active_pivot(F&& f) const;
+  template <class Whole, class OfPivot>
+  void each_extent(Whole&& whole, OfPivot&& of_pivot) const;
+  // Before the elimination.
+  void make_room_for_packs();
+  void keep();
+  void prepare();
   void start_reference(int k);
   void start_panel_reference(int k);
-  void prepare_range(int begin, int end);
-  void factorize_range(int begin, int end, Outcome& outcome);
-  [[nodiscard]] bool in_packs() const;
-  enum class Count { each, together };  ///< by component, or all in the first outcome
-  void factorize_steps(std::span<Outcome> outcomes, Count count);
+  // One pivot by itself.
+  struct PivotBlocks {
+    double *diagonal, *lower, *upper;
+  };
+  struct PivotFactor {
+    const double *diagonal, *lower, *upper;
+  };
+  [[nodiscard]] PivotBlocks open(int k);
+  void close(int k, const PivotBlocks& blocks);
+  [[nodiscard]] PivotFactor factor_of(int k, double* buffer) const;
   void eliminate_alone(int k, Outcome& outcome);
   void begin_alone(int k, Outcome& outcome);
   void eliminate_group(int begin, int size, Outcome& outcome);
   void update_member(int begin, int k, const double* l, int depth);
   void update_after(int begin, int size, const double* l, const double* spread_w);
   void alone_if_active(int k, std::span<Outcome> outcomes);
-  void eliminate_together(int number, unsigned active, std::span<Outcome> outcomes, Count count, const simd::PackData& data);
+  bool factorize_pivot(int k, const PivotBlocks& blocks, Outcome& outcome);
+  bool factorize_one(int k, const PivotBlocks& blocks, Outcome& outcome);
+  bool factorize_pivot_any(int k, const PivotBlocks& blocks, Outcome& outcome);
+  [[nodiscard]] simd::Definite definite(bool saddle, bool may_depend) const;
+  bool factorize_pivot_symmetric(int k, const PivotBlocks& blocks, Outcome& outcome);
+  bool factorize_pivot_indefinite(int k, const PivotBlocks& blocks, Outcome& outcome);
+  bool boost(int k, const PivotBlocks& blocks, double* block);
+  void shift_pivot(int k, double* diagonal);
+  [[nodiscard]] int original_row(int k, int place) const;
+  void drop_rows(int k, Outcome& outcome);
+  bool couples_later(int k, const PivotBlocks& blocks);
+  [[nodiscard]] double largest_of(int k) const;
+  void transpose_panel(int k, const PivotBlocks& blocks) const;
+  void mirror_matrix(int k);
+  void eliminate(int k, const PivotBlocks& blocks, Outcome& outcome);
+  void update(int k, const PivotBlocks& blocks, int from, Outcome& outcome);
+  void remember_diagonal(const double* block, int d, int stride = 1);
+  void note_added(int k, const double* block, int d, int stride = 1);
+  [[nodiscard]] std::int64_t updated_scalars(std::int64_t couplings, std::int64_t rows) const;
+  std::int64_t update_row_scattered(int k, int i, int from, const double* lower, const double* upper);
+  // Along the program.
+  [[nodiscard]] bool in_packs() const;
+  void factorize_active(std::span<Outcome> outcomes, Count count);
+  void eliminate_together(int number, unsigned active, std::span<Outcome> outcomes, Count count,
+                          const simd::PackNumbers& numbers);
+  void measure_growth(const simd::PivotPack& pack, unsigned active, std::span<Outcome> outcomes) const;
   void count_pack(const simd::PivotPack& pack, unsigned active, std::span<Outcome> outcomes, Count count);
-  void set_active(std::span<const int> components) const;
-  void set_all_active() const;
-  [[nodiscard]] unsigned active_lanes(std::span<const int> pivots, unsigned used) const;
-  bool factorize_pivot(int k, Outcome& outcome);
-  bool factorize_one(int k, Outcome& outcome);
+  // refactorize().
   void restore(int k);
   void collect_redone(std::span<const NodeId> changed);
   void forget_redone(Outcome& outcome);
-  bool factorize_pivot_any(int k, Outcome& outcome);
-  [[nodiscard]] simd::Definite definite(bool saddle, bool may_depend) const;
-  bool factorize_pivot_symmetric(int k, Outcome& outcome);
-  bool factorize_pivot_indefinite(int k, Outcome& outcome);
-  bool boost(int k, double* block);
-  void shift_pivot(int k);
-  [[nodiscard]] int original_row(int k, int place) const;
-  void drop_rows(int k, Outcome& outcome);
-  bool couples_later(int k);
-  [[nodiscard]] double largest_of(int k) const;
-  void transpose_panel(int k, double* values) const;
-  void mirror_matrix(int k);
-  void eliminate(int k, Outcome& outcome);
-  void update(int k, int from, Outcome& outcome);
-  void remember_diagonal(const double* block, int d);
-  void note_added(int k, const double* block, int d);
-  [[nodiscard]] std::int64_t updated_scalars(std::int64_t couplings, std::int64_t rows) const;
-  void solve_diagonal(int k, double* x, int columns, std::ptrdiff_t stride) const;
-  void solve_range(double* x, int columns, int begin, int end) const;
-  void solve_pivots(double* x, int columns, int begin, int end) const;
-  void solve_steps(double* x) const;
+  // Solving.
+  void solve_diagonal(int k, const double* diagonal, double* x, int columns, std::ptrdiff_t stride) const;
+  void solve_active(double* x, int columns) const;
+  template <class F, class Alone>
+  void solve_pack(int number, unsigned active, double* x, int columns, F&& f, Alone&& alone) const;
   void solve_forward(int k, double* x, int columns) const;
   void solve_backward(int k, double* x, int columns) const;
-  struct PivotFactor {
-    const double *diagonal, *lower, *upper;
-  };
-  [[nodiscard]] PivotFactor factor_of(int k, double* buffer) const;
-  void solve_column_transposed(double* x) const;
+  void solve_forward_transposed(int k, double* x) const;
+  void solve_backward_transposed(int k, double* x) const;
+  template <class Together, class Alone>
+  void walk(bool backward, Together&& together, Alone&& alone) const;
   void check_size(std::span<const double> x, int columns) const;
-  Refinement refine_range(std::span<const double> b, std::span<double> x, int begin, int end, int max_sweeps);
   enum class Precision { plain, twice };
-  double residual(std::span<const double> b, std::span<const double> x, int begin, int end, Precision precision);
+  void residual(std::span<const double> b, std::span<const double> x, int component, Precision precision);
   template <class F>
-  void each_row(int begin, int end, F&& f) const;
+  void each_row(int component, F&& f) const;
 
   std::shared_ptr<const Symbolic> symbolic_;
   FactorizationKind kind_;
   const kernels::Table* kernels_;     ///< of the instruction set in use when this was made
-  std::vector<double> values_, matrix_;
+  AlignedVector values_, matrix_;
   std::vector<int> row_exchange_;     ///< per row in pivot order: the row that took this place in its block
   std::vector<int> column_exchange_;  ///< same for columns; used only where rows were dropped
   std::vector<int> rank_;             ///< per pivot
@@ -224,8 +243,11 @@ class Factorization {
                                       ///< in the symmetric kinds |diagonal of the matrix| for other nodes
   std::vector<double> panel_reference_;  ///< where dependence is looked for: largest entry of the row right of the block
   std::vector<double> work_;          ///< two of the largest block and 3 of its rows; solving needs none of it
+  std::vector<double> opened_, target_;  ///< blocks of one pivot, and one that it changes, where they lie interleaved
   std::vector<char> equal_;           ///< per pivot: equal_couplings
-  std::vector<char> group_;           ///< per pivot that is not inside a group: how many it begins, see group_size
+  std::vector<char> group_;           ///< per pivot that is not inside a group: how many it begins, see group_size;
+                                      ///< 1 where there are packs
+  std::vector<char> scattered_;       ///< per pivot: may blocks that it changes lie interleaved with others?
   std::vector<double> spread_;        ///< for the update of equal couplings
   std::vector<double> residual_, residual_low_, magnitude_, correction_, best_;
   std::vector<DroppedRow> dropped_;
@@ -241,12 +263,15 @@ class Factorization {
   std::vector<int> queue_;
   Outcome total_;
   bool complete_ = false;
-  std::unique_ptr<simd::PackedFactor> packed_;  ///< null where the program has no packs
-  std::vector<Outcome> outcomes_;     ///< by component
-  mutable std::vector<char> active_;  ///< by component: taking part in this call
-  mutable bool all_active_ = false;
-  Packs packs_ = Packs::on;
-  bool any_packed_ = false;           ///< may any pivot's factor be in a pack?
+  std::vector<std::uint8_t> packed_;    ///< by pack: lanes whose factor was made together
+  AlignedVector scratch_;               ///< of packs
+  std::vector<Outcome> outcomes_;       ///< by component
+  mutable std::vector<int> active_;     ///< components that take part in this call
+  mutable std::vector<std::uint8_t> lanes_;  ///< by group of the program: lanes that do; bit 0 for a component alone
+  std::vector<int> everything_, refined_;    ///< all components; those that refine() still improves
+  std::vector<double> error_, least_error_;  ///< by component, of refine(): after a sweep, and the least so far
+  std::vector<Precision> precision_;
+  std::vector<int> in_vain_;                 ///< sweeps in a row
   bool keep_matrix_ = false;
   double largest_entry_ = 0;          ///< of the kept part of the matrix
   double saddle_shift_ = 0;

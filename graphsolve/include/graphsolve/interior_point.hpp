@@ -129,7 +129,7 @@ class InteriorPoint {
   InteriorPointSettings settings_;
   Factorization factorization_;
   std::vector<Lists> term_lists_, port_lists_;
-  std::vector<int> selected_, running_, keep_running_;
+  std::vector<int> selected_, running_, keep_running_, refining_;
   struct RowRange {
     int begin, end;
   };

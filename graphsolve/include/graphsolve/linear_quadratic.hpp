@@ -54,7 +54,7 @@ class LinearConstraint final : public Term {
  private:
   struct Place {
     int row, columns;
-    std::int64_t down, across;  ///< blocks (constraint, node) and (node, constraint)
+    BlockHandle down, across;  ///< blocks (constraint, node) and (node, constraint)
   };
   struct Constraint {
     std::vector<NodeId> nodes;                ///< the constraint, then what it constrains

@@ -53,7 +53,9 @@ class RobustSolver {
   /// The numbers of the matrix, written through symbolic().block(); they stay as they are. The symmetric kinds read
   /// one triangle (factorization.hpp), so fill both.
   [[nodiscard]] std::span<double> values();
-  [[nodiscard]] double* block(const BlockHandle& handle) { return values().data() + handle.offset; }
+  [[nodiscard]] double& entry(const BlockHandle& handle, int row = 0, int column = 0) {
+    return values()[handle.place(row, column)];
+  }
 
   struct Report {
     Status status = Status::solved;  ///< solved; not_finite; singular: no solution, or none that any rung found

@@ -14,12 +14,22 @@ namespace simd {
 class Program;
 }
 
-/// Where one block of the matrix lies in the value array: column-major, `rows` x `columns`, no padding.
+/// Where one block of the matrix lies in the value array: column-major, `rows` x `columns`, entries `stride` apart.
+/// Blocks of equal pivots are interleaved, lane by lane, so that eight of them are read and written as one.
 struct BlockHandle {
-  std::int64_t offset = -1;
+  std::int64_t offset = -1;  ///< of entry (0, 0)
   int rows = 0;
   int columns = 0;
+  int stride = 1;
+  /// Of entry (row, column).
+  [[nodiscard]] std::int64_t place(int row, int column) const {
+    return offset + (static_cast<std::int64_t>(column) * rows + row) * stride;
+  }
 };
+
+/// Whether equal pivots are eliminated up to eight at a time (SIMD, without exchanges of rows where that is sound) or
+/// all of them one by one. Decides how the values are laid out.
+enum class Packs { on, off };
 
 /// The elimination of a graph in a given order, worked out once: tree, fill, offsets, counts. Immutable;
 /// shared by threads.
@@ -27,7 +37,7 @@ class Symbolic {
  public:
   /// Cost O(nodes + blocks of the factor). The components of the graph become contiguous ranges of pivots,
   /// in the order of connected_components; within each the given order is kept.
-  Symbolic(const BlockGraph& graph, const Ordering& ordering);
+  Symbolic(const BlockGraph& graph, const Ordering& ordering, Packs packs = Packs::on);
 
   struct Counts {
     std::int64_t fill_blocks = 0;       ///< off-diagonal blocks (one triangle) that are not in the graph
@@ -67,7 +77,9 @@ class Symbolic {
   /// Block (a, b) of the matrix; a == b is the diagonal block. Throws std::invalid_argument when the factor
   /// has no such block.
   [[nodiscard]] BlockHandle block(NodeId a, NodeId b) const;
+  /// Length of the value array: stored_scalars, and what interleaving leaves unused.
   [[nodiscard]] std::int64_t values_size() const { return values_size_; }
+  [[nodiscard]] Packs packs() const { return packs_; }
 
   // Plan for the numeric phase.
   struct Pivot {
@@ -79,14 +91,19 @@ class Symbolic {
     bool may_depend;
     int begin, end;         ///< range in the coupled list
     int coupled_rows;       ///< sum of the coupled dimensions
+    int stride;             ///< from a scalar of its blocks to the next
     std::int64_t diagonal;  ///< offset of the diagonal block
     std::int64_t lower;     ///< offset of the blocks below it, one after the other
     std::int64_t upper;     ///< offset of the blocks right of it, side by side
     std::int64_t targets;   ///< first of the offsets that its elimination updates
-    int stride;             ///< of their rows
+    int target_stride;      ///< of their rows
+    /// Scalars in its diagonal block and both panels.
+    [[nodiscard]] std::int64_t scalars() const {
+      return static_cast<std::int64_t>(dimension) * (dimension + 2 * coupled_rows);
+    }
   };
   [[nodiscard]] const Pivot& pivot(int k) const { return pivots_[k]; }
-  /// Offset of the block (coupling i, coupling j) at [i * p.stride + j].
+  /// Offset of the block (coupling i, coupling j) at [i * p.target_stride + j].
   [[nodiscard]] const std::int64_t* targets(const Pivot& p) const { return targets_.data() + p.targets; }
   /// The same elimination, equal pivots of one level side by side (src/simd/program.hpp).
   [[nodiscard]] const simd::Program& program() const { return *program_; }
@@ -94,7 +111,8 @@ class Symbolic {
  private:
   void find_uncertain(const BlockGraph& graph);
   void find_structure(const BlockGraph& graph);
-  void lay_out();
+  void lay_out(simd::Program& program);
+  void place(int pivot, std::int64_t offset, int stride);
   void plan_updates();
   void count_memory();
   [[nodiscard]] int find(int pivot, int later) const;
@@ -103,10 +121,11 @@ class Symbolic {
   std::vector<int> position_, component_of_, component_begin_;
   std::vector<int> coupled_;
   std::vector<char> fill_;
-  std::vector<std::int64_t> block_offset_;  ///< within the lower and within the upper panel, per coupling
+  std::vector<std::int64_t> block_offset_;  ///< in scalars within the lower and within the upper panel, per coupling
   std::vector<std::int64_t> targets_;
   std::int64_t values_size_ = 0;
   int rows_ = 0;
+  Packs packs_;
   Counts counts_;
   std::shared_ptr<const simd::Program> program_;
 

@@ -47,8 +47,8 @@ class Term {
   [[nodiscard]] virtual Coupling coupling() const { return Coupling::all_pairs; }
   /// Called once, before anything else: keep the rows and blocks that are needed.
   virtual void wire(const Wiring& wiring) = 0;
-  /// residual += F(x).  With values != nullptr also: the blocks of dF/dx are *added* at values + handle.offset,
-  /// column-major.
+  /// residual += F(x).  With values != nullptr also: the blocks of dF/dx are *added*, entry (i, j) at
+  /// values[handle.place(i, j)].
   virtual void evaluate(Instances instances, std::span<const double> x, std::span<double> residual, double* values) = 0;
   /// Lowers alpha (by component) so that x + alpha dx stays where F is defined. Default: no bound.
   virtual void bound_step(Instances, std::span<const double> /*x*/, std::span<const double> /*dx*/,

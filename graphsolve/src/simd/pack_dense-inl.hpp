@@ -11,8 +11,8 @@
 #include "graphsolve/simd/pack-inl.hpp"
 #include "simd/pivot_kernels.hpp"
 
-/// Dense blocks of packs: eight blocks of one shape at once, column-major. A template argument 0 is a size known at run
-/// time only.
+/// Dense blocks of packs: L blocks of one shape at once, column-major, scalar i of lane l at [i L + l]. D: their
+/// dimension; 0 is one known at run time only.
 HWY_BEFORE_NAMESPACE();
 namespace graphsolve::simd::HWY_NAMESPACE {
 
@@ -22,21 +22,20 @@ constexpr double most_growth = 64;
 constexpr double least_rest = 1e-13;
 
 /// Columns of a panel that are worked on at once: as many as the registers hold.
-constexpr int columns_at_once = parts == 1 ? 2 : 1;
-
-Pack* packs(double* p) { return reinterpret_cast<Pack*>(p); }
-const Pack* packs(const double* p) { return reinterpret_cast<const Pack*>(p); }
+template <int L>
+inline constexpr int columns_at_once = PackOf<L>::parts == 1 ? 2 : 1;
 
 /// LU in place, column-major, reciprocals of the pivots on the diagonal. Lanes that should have been pivoted.
-template <int D>
-HWY_INLINE unsigned factor(Pack* a, int d_) {
+template <int D, int L>
+HWY_INLINE unsigned factor(PackOf<L>* a, int d_) {
+  using Pack = PackOf<L>;
   const int d = D ? D : d_;
   Pack start[D ? D : largest_dimension], growth[D ? D : largest_dimension];
   for (int p = 0; p < d; ++p) {
     start[p] = abs(a[p * d + p]);
     growth[p] = Pack(0.0);
   }
-  Mask sound = start[0] >= Pack(0.0);  // false for NaN
+  MaskOf<L> sound = start[0] >= Pack(0.0);  // false for NaN
 #pragma GCC unroll 6
   for (int p = 0; p < d; ++p) {
     const Pack pivot = a[p * d + p];
@@ -58,11 +57,12 @@ HWY_INLINE unsigned factor(Pack* a, int d_) {
 }
 
 /// LDL^T from the lower triangle, into the form that factor() leaves. Lanes that are not definite.
-template <int D>
-HWY_INLINE unsigned factor_definite(Pack* a, const Pack* reference, const Definite& definite, int d_) {
+template <int D, int L>
+HWY_INLINE unsigned factor_definite(PackOf<L>* a, const PackOf<L>* reference, const Definite& definite, int d_) {
+  using Pack = PackOf<L>;
   const int d = D ? D : d_;
   const Pack sign(definite.sign), smallest(definite.smallest), infinity(std::numeric_limits<double>::infinity());
-  Mask sound = Pack(0.0) <= Pack(0.0);
+  MaskOf<L> sound = Pack(0.0) <= Pack(0.0);
 #pragma GCC unroll 6
   for (int p = 0; p < d; ++p) {
     const Pack size = sign * a[p * d + p];
@@ -83,12 +83,9 @@ HWY_INLINE unsigned factor_definite(Pack* a, const Pack* reference, const Defini
 }
 
 /// X (d x C) := (LU)^-1 X.
-template <int D, int C>
-HWY_INLINE void solve_columns(const Pack* a, Pack* x, int d_) {
+template <int D, int C, int L>
+HWY_INLINE void solve_columns(const PackOf<L>* a, PackOf<L>* t, int d_) {
   const int d = D ? D : d_;
-  Pack t[(D ? D : largest_dimension) * C];
-#pragma GCC unroll 12
-  for (int i = 0; i < d * C; ++i) t[i] = x[i];
 #pragma GCC unroll 6
   for (int p = 0; p < d; ++p)
 #pragma GCC unroll 6
@@ -101,54 +98,92 @@ HWY_INLINE void solve_columns(const Pack* a, Pack* x, int d_) {
     for (int i = 0; i < p; ++i)
       for (int c = 0; c < C; ++c) t[c * d + i] = negative_multiply_add(a[p * d + i], t[c * d + p], t[c * d + i]);
   }
-#pragma GCC unroll 12
-  for (int i = 0; i < d * C; ++i) x[i] = t[i];
 }
 
-template <int D>
-HWY_INLINE void solve_all(const Pack* lu, Pack* w, int d, int columns) {
-  int column = 0;
-  for (; column + columns_at_once <= columns; column += columns_at_once)
-    solve_columns<D, columns_at_once>(lu, w + column * d, d);
-  for (; column < columns; ++column) solve_columns<D, 1>(lu, w + column * d, d);
-}
-
-/// T (rows x C, leading dimension rows) := L (rows x d) W (d x C), from row `first` on.
-template <int D, int C>
-HWY_INLINE void product(const Pack* l, const Pack* w, Pack* t, int rows, int d_, int first = 0) {
+/// X (d) := (LU)^-T X.
+template <int D, int L>
+HWY_INLINE void solve_transposed(const PackOf<L>* a, PackOf<L>* x, int d_) {
   const int d = D ? D : d_;
-  Pack column[(D ? D : largest_dimension) * C];
+  for (int p = 0; p < d; ++p) {
+    for (int i = 0; i < p; ++i) x[p] = negative_multiply_add(a[p * d + i], x[i], x[p]);
+    x[p] *= a[p * d + p];
+  }
+  for (int p = d - 1; p >= 0; --p)
+    for (int i = p + 1; i < d; ++i) x[p] = negative_multiply_add(a[p * d + i], x[i], x[p]);
+}
+
+/// C columns of W in memory := (LU)^-1 W.
+template <int D, int C, int L>
+HWY_INLINE void solve_in_place(const PackOf<L>* lu, double* w, int d_) {
+  const int d = D ? D : d_;
+  PackOf<L> t[(D ? D : largest_dimension) * C];
 #pragma GCC unroll 12
-  for (int i = 0; i < d * C; ++i) column[i] = w[i];
+  for (int i = 0; i < d * C; ++i) t[i] = load<L>(w + i * L);
+  solve_columns<D, C>(lu, t, d);
+#pragma GCC unroll 12
+  for (int i = 0; i < d * C; ++i) store(t[i], w + i * L);
+}
+
+template <int D, int L>
+HWY_INLINE void solve_all(const PackOf<L>* lu, double* w, int d, int columns) {
+  constexpr int some = columns_at_once<L>;
+  int column = 0;
+  for (; column + some <= columns; column += some) solve_in_place<D, some>(lu, w + column * d * L, d);
+  for (; column < columns; ++column) solve_in_place<D, 1>(lu, w + column * d * L, d);
+}
+
+/// f(i, scalar i of L (rows x d) W (d x C)), column-major, from row `first` of each column on.
+template <int D, int C, int L, class F>
+HWY_INLINE void product(const double* l, const double* w, int rows, int d_, int first, int from, F&& f) {
+  const int d = D ? D : d_;
+  PackOf<L> column[(D ? D : largest_dimension) * C];
+#pragma GCC unroll 12
+  for (int i = 0; i < d * C; ++i) column[i] = load<L>(w + i * L);
   for (int r = first; r < rows; ++r) {
-    Pack sum[C];
-    const Pack left = l[r];
+    PackOf<L> sum[C];
+    const PackOf<L> left = load<L>(l + r * L);
     for (int c = 0; c < C; ++c) sum[c] = left * column[c * d];
 #pragma GCC unroll 6
     for (int p = 1; p < d; ++p) {
-      const Pack factor = l[p * rows + r];
+      const PackOf<L> factor = load<L>(l + (p * rows + r) * L);
       for (int c = 0; c < C; ++c) sum[c] = multiply_add(factor, column[c * d + p], sum[c]);
     }
-    for (int c = 0; c < C; ++c) t[c * rows + r] = sum[c];
+    for (int c = 0; c < C; ++c) f(from + c * rows + r, sum[c]);
   }
 }
 
-template <int D>
-HWY_INLINE void product_block(const Pack* l, const Pack* w, Pack* t, int rows, int columns, int d) {
+template <int D, int L, class F>
+HWY_INLINE void product_block(const double* l, const double* w, int rows, int columns, int d, F&& f) {
+  constexpr int some = columns_at_once<L>;
   int c = 0;
-  for (; c + columns_at_once <= columns; c += columns_at_once)
-    product<D, columns_at_once>(l, w + c * d, t + c * rows, rows, d);
-  for (; c < columns; ++c) product<D, 1>(l, w + c * d, t + c * rows, rows, d);
+  for (; c + some <= columns; c += some) product<D, some, L>(l, w + c * d * L, rows, d, 0, c * rows, f);
+  for (; c < columns; ++c) product<D, 1, L>(l, w + c * d * L, rows, d, 0, c * rows, f);
 }
 
-/// The lower triangle, zeros above.
-template <int D>
-HWY_INLINE void product_lower(const Pack* l, const Pack* w, Pack* t, int rows, int d) {
-  for (int c = 0; c < rows; ++c) {
-    for (int r = 0; r < c; ++r) t[c * rows + r] = Pack(0.0);
-    product<D, 1>(l, w + c * d, t + c * rows, rows, d, c);
-  }
+/// The lower triangle only.
+template <int D, int L, class F>
+HWY_INLINE void product_lower(const double* l, const double* w, int rows, int d, F&& f) {
+  for (int c = 0; c < rows; ++c) product<D, 1, L>(l, w + c * d * L, rows, d, c, c * rows, f);
 }
+
+/// function<D, L>(...) with the usual dimensions as constants.
+#define GRAPHSOLVE_BY_DIMENSION(L, d, function, ...)  \
+  switch (d) {                                        \
+    case 1: return function<1, L>(__VA_ARGS__);       \
+    case 2: return function<2, L>(__VA_ARGS__);       \
+    case 3: return function<3, L>(__VA_ARGS__);       \
+    case 4: return function<4, L>(__VA_ARGS__);       \
+    case 5: return function<5, L>(__VA_ARGS__);       \
+    case 6: return function<6, L>(__VA_ARGS__);       \
+    default: return function<0, L>(__VA_ARGS__);      \
+  }
+#define GRAPHSOLVE_BY_SHAPE(lanes, d, function, ...)                \
+  switch (lanes) {                                                  \
+    case 1: GRAPHSOLVE_BY_DIMENSION(1, d, function, __VA_ARGS__)    \
+    case 2: GRAPHSOLVE_BY_DIMENSION(2, d, function, __VA_ARGS__)    \
+    case 4: GRAPHSOLVE_BY_DIMENSION(4, d, function, __VA_ARGS__)    \
+    default: GRAPHSOLVE_BY_DIMENSION(8, d, function, __VA_ARGS__)   \
+  }
 
 }  // namespace graphsolve::simd::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

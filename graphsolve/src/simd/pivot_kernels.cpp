@@ -1,5 +1,6 @@
 #include "simd/pivot_kernels.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #undef HWY_TARGET_INCLUDE
@@ -14,207 +15,254 @@ HWY_BEFORE_NAMESPACE();
 namespace graphsolve::simd::HWY_NAMESPACE {
 namespace {
 
-/// The diagonal block of each lane's pivot.
-HWY_INLINE void own_places(const PackJob& job, double** place) {
-  for (int l = 0; l < lanes; ++l) place[l] = job.values + job.symbolic.pivot(job.pack.pivot[l]).diagonal;
-}
+template <int L>
+constexpr unsigned all_lanes = (1u << L) - 1;
 
-/// Each lane's block between couplings i and j.
-HWY_INLINE void target_places(const PackJob& job, int i, int j, double** place) {
-  for (int l = 0; l < lanes; ++l) {
-    const Symbolic::Pivot& p = job.symbolic.pivot(job.pack.pivot[l]);
-    place[l] = job.values + job.symbolic.targets(p)[i * p.stride + j];
+/// A pack's blocks where it may work on them: in place, or, where some of its lanes have to stay as they are, a copy that
+/// is written back lane by lane.
+template <int L>
+class Workplace {
+ public:
+  HWY_INLINE Workplace(const PackJob& job, int size)
+      : own_(job.numbers.values + job.pack.place), size_(size), active_(job.active),
+        whole_(job.active == job.pack.used), work_(whole_ ? own_ : job.numbers.scratch) {
+    if (!whole_) std::copy_n(own_, size * L, work_);
   }
-}
+  HWY_INLINE double* blocks() const { return work_; }
+  HWY_INLINE void finish() const {
+    if (whole_) return;
+    const MaskOf<L> mask = lanes_of<L>(active_);
+    for (int i = 0; i < size_; ++i)
+      store(select(mask, load<L>(work_ + i * L), load<L>(own_ + i * L)), own_ + i * L);
+  }
+
+ private:
+  double* own_;
+  int size_;
+  unsigned active_;
+  bool whole_;
+  double* work_;
+};
 
 /// reference[p]: what row p is compared with, signed.
-HWY_INLINE void load_references(const PackJob& job, int d, Pack* reference) {
-  const double* from[lanes];
-  for (int l = 0; l < lanes; ++l) from[l] = job.reference + job.first_row[job.pack.pivot[l]];
+template <int L>
+HWY_INLINE void load_references(const PackJob& job, int d, PackOf<L>* reference) {
+  const double* from[L];
+  for (int l = 0; l < L; ++l) from[l] = job.numbers.reference + job.numbers.first_row[job.pack.pivot[l]];
   load_transposed(from, d, reference, job.pack.used);
 }
 
-/// Coupling i loses T on its diagonal: remembers the largest amount per row, lane after lane.
-inline void remember(const PackJob& job, int i, const Pack* t, int rows, unsigned active) {
-  HWY_ALIGN double lost[lanes];
+/// Coupling i loses this on its diagonal: remembers the largest amount per row, lane after lane.
+template <int L>
+void remember(const PackJob& job, int i, const PackOf<L>* diagonal, int rows) {
   for (int q = 0; q < rows; ++q) {
-    store(t[q * (rows + 1)], lost);
-    for (int l = 0; l < lanes; ++l) {
-      if (!(active >> l & 1u)) continue;
-      double& reference = job.reference[job.first_row[job.symbolic.coupled(job.pack.pivot[l])[i]] + q];
+    HWY_ALIGN double lost[L];
+    store(diagonal[q], lost);
+    for (int l = 0; l < L; ++l) {
+      if (!(job.active >> l & 1u)) continue;
+      const int later = job.symbolic.coupled(job.pack.pivot[l])[i];
+      double& reference = job.numbers.reference[job.numbers.first_row[later] + q];
       if (std::abs(lost[l]) > std::abs(reference)) reference = -lost[l];
     }
   }
 }
 
-template <int D>
-unsigned eliminate_pack(const PackJob& job) {
-  const Shape& shape = job.shape;
-  const int d = D ? D : shape.dimension, m = shape.couplings(), coupled_rows = shape.coupled_rows;
-  Pack* lu = packs(job.factor);
-  Pack* lower = lu + d * d;
-  Pack* w = lower + d * coupled_rows;
-  double* place[lanes];
-  own_places(job, place);
-  // Diagonal, lower and upper panel of a pivot lie one after the other.
-  load_transposed(place, d * (d + 2 * coupled_rows), lu, job.pack.used);
-  if (shape.saddle) {
-    for (int i = 0; i < d; ++i) lu[i * (d + 1)] *= Pack(1 + job.saddle_shift);
-  }
-  const unsigned active = job.active, pivoting = factor<D>(lu, d) & active;
-  if (pivoting != 0) return pivoting;
-  solve_all<D>(lu, w, d, coupled_rows);
+/// A lane's block loses its part of T (rows x columns, or its lower triangle), which lies interleaved.
+template <int L>
+HWY_INLINE void subtract_lane(const PackJob& job, int l, const Target& target, const double* t, int rows, int columns,
+                              bool lower) {
+  double* to = job.numbers.values + target.place;
+  const int stride = target.stride;
+  for (int c = 0; c < columns; ++c)
+    for (int r = lower ? c : 0; r < rows; ++r) to[(c * rows + r) * stride] -= t[(c * rows + r) * L + l];
+}
 
-  Pack* t = packs(job.scratch);
-  const Pack* l_block = lower;
-  for (int i = 0; i < m; ++i) {
-    const int rows = shape.coupled[i];
-    const Pack* w_block = w;
-    for (int j = 0; j < m; ++j) {
-      const int columns = shape.coupled[j];
-      product_block<D>(l_block, w_block, t, rows, columns, d);
-      target_places(job, i, j, place);
-      add_transposed(t, rows * columns, place, active, -1.0);
-      w_block += columns * d;
+/// In a pack whose pivots share couplings all T are kept until they are complete: a block that several lanes change loses
+/// the first lane's part first, as if pivots went one after the other. T of couplings i, j begins at
+/// (row of i) * coupled_rows + (row of j) * (rows of i).
+template <int L>
+void subtract_all(const PackJob& job, bool symmetric) {
+  const Shape& shape = job.program.shape(job.pack);
+  const int m = shape.couplings();
+  const Target* target = job.program.targets(job.pack);
+  for (int l = 0; l < L; ++l) {
+    if (!(job.active >> l & 1u)) continue;
+    const double* t = job.numbers.scratch + shape.size() * L;
+    for (int i = 0, row = 0; i < m; row += shape.coupled[i++]) {
+      const int rows = shape.coupled[i];
+      for (int j = 0, column = 0; j < (symmetric ? i + 1 : m); column += shape.coupled[j++])
+        subtract_lane<L>(job, l, job.program.scattered()[~target[i * m + j].place + l],
+                         t + (row * shape.coupled_rows + column * rows) * L, rows, shape.coupled[j], symmetric && i == j);
     }
-    l_block += rows * d;
   }
+}
+
+/// What the products do to one block.
+template <int L>
+struct Taker {
+  const PackJob& job;
+  const Target& target;
+  double* to = job.numbers.values + target.place;
+  bool whole = job.active == all_lanes<L>;
+  MaskOf<L> mask = lanes_of<L>(job.active);
+
+  HWY_INLINE void operator()(int i, const PackOf<L>& lost) const {
+    double* at = to + i * target.stride;
+    const PackOf<L> before = load<L>(at), after = before - lost;
+    store(whole ? after : select(mask, after, before), at);
+  }
+};
+
+/// One block between couplings: i is `row` rows down, j `column`.
+struct Between {
+  int i, j, row, column;
+};
+
+/// Of a block that is on the diagonal of a symmetric matrix the lower triangle. `watch`: its diagonal is remembered.
+template <int D, int L, bool Lower>
+HWY_INLINE void update_block(const PackJob& job, const Between& at, const double* l, const double* w, int d, bool watch) {
+  const Shape& shape = job.program.shape(job.pack);
+  const int rows = shape.coupled[at.i], columns = shape.coupled[at.j];
+  const Target& target = job.program.targets(job.pack)[at.i * shape.couplings() + at.j];
+  const auto products = [&](auto&& f) HWY_ATTR {
+    if constexpr (Lower) product_lower<D, L>(l, w, rows, d, f);
+    else product_block<D, L>(l, w, rows, columns, d, f);
+  };
+  if (target.place >= 0 && !watch) return products(Taker<L>{job, target});
+  PackOf<L> diagonal[largest_dimension];
+  double* kept = job.numbers.scratch + (shape.size() + at.row * shape.coupled_rows + at.column * rows) * L;
+  HWY_ALIGN double here[L * largest_dimension * largest_dimension];
+  if (!job.pack.shares) kept = here;
+  products([&](int k, const PackOf<L>& lost) HWY_ATTR {
+    if (watch && k % (rows + 1) == 0) diagonal[k / (rows + 1)] = lost;
+    store(lost, kept + k * L);
+  });
+  if (watch) remember(job, at.i, diagonal, rows);
+  if (job.pack.shares) return;
+  if (target.place >= 0) {
+    const Taker<L> take{job, target};
+    for (int c = 0; c < columns; ++c)
+      for (int r = Lower ? c : 0; r < rows; ++r) take(c * rows + r, load<L>(kept + (c * rows + r) * L));
+    return;
+  }
+  for (int lane = 0; lane < L; ++lane)
+    if (job.active >> lane & 1u)
+      subtract_lane<L>(job, lane, job.program.scattered()[~target.place + lane], kept, rows, columns, Lower);
+}
+
+template <int D, int L>
+HWY_INLINE void load_diagonal(const double* from, PackOf<L>* to, int d_) {
+  const int d = D ? D : d_;
+#pragma GCC unroll 36
+  for (int i = 0; i < d * d; ++i) to[i] = load<L>(from + i * L);
+}
+template <int D, int L>
+HWY_INLINE void store_diagonal(const PackOf<L>* from, double* to, int d_) {
+  const int d = D ? D : d_;
+#pragma GCC unroll 36
+  for (int i = 0; i < d * d; ++i) store(from[i], to + i * L);
+}
+
+/// The block of a saddle node: gets its shift, and is looked at for rows that depend. Returns lanes that have some.
+template <int D, int L>
+HWY_INLINE unsigned factor_saddle(const PackJob& job, PackOf<L>* lu, int d) {
+  using P = PackOf<L>;
+  const bool may_depend = job.program.shape(job.pack).may_depend;
+  const double shift = job.numbers.saddle_shift;
+  if (!may_depend) {
+    for (int i = 0; i < d; ++i) lu[i * (d + 1)] *= P(1 + shift);
+    return factor<D>(lu, d);
+  }
+  P reference[D ? D : largest_dimension], largest(0.0);
+  load_references(job, d, reference);
+  for (int i = 0; i < d; ++i) {
+    lu[i * (d + 1)] = multiply_add(P(shift), reference[i], lu[i * (d + 1)]);
+    largest = max(largest, abs(reference[i]));
+  }
+  unsigned other = factor<D>(lu, d);
+  if (shift != 0) return other;  // a shifted block is regular
+  const P smallest = P(dependent) * largest;
+  for (int i = 0; i < d; ++i) other |= ~bits(P(1.0) > smallest * abs(lu[i * (d + 1)]));  // reciprocals
+  return other;
+}
+
+template <int D, int L>
+unsigned eliminate_pack(const PackJob& job) {
+  const Shape& shape = job.program.shape(job.pack);
+  const int d = D ? D : shape.dimension, m = shape.couplings(), coupled_rows = shape.coupled_rows;
+  const Workplace<L> place(job, shape.size());
+  PackOf<L> lu[D ? D * D : largest_dimension * largest_dimension];
+  load_diagonal<D>(place.blocks(), lu, d);
+  const unsigned other = (shape.saddle ? factor_saddle<D>(job, lu, d) : factor<D>(lu, d)) & job.active;
+  if (other != 0) return other;
+  store_diagonal<D>(lu, place.blocks(), d);
+  const double* lower = place.blocks() + d * d * L;
+  double* upper = place.blocks() + d * (d + coupled_rows) * L;
+  solve_all<D>(lu, upper, d, coupled_rows);
+  for (int i = 0, row = 0; i < m; row += shape.coupled[i++]) {
+    const double* w = upper;
+    for (int j = 0, column = 0; j < m; column += shape.coupled[j++]) {
+      update_block<D, L, false>(job, {i, j, row, column}, lower, w, d, i == j && shape.coupled_may[i]);
+      w += shape.coupled[j] * d * L;
+    }
+    lower += shape.coupled[i] * d * L;
+  }
+  if (job.pack.shares) subtract_all<L>(job, false);
+  place.finish();
   return 0;
 }
 
-template <int D>
+/// W := L^T, block after block.
+template <int D, int L>
+HWY_INLINE void transpose_panel(const Shape& shape, const double* lower, double* w, int d_) {
+  const int d = D ? D : d_;
+  for (int i = 0; i < shape.couplings(); ++i) {
+    const int rows = shape.coupled[i];
+    for (int r = 0; r < rows; ++r)
+#pragma GCC unroll 6
+      for (int q = 0; q < d; ++q) store(load<L>(lower + (q * rows + r) * L), w + (r * d + q) * L);
+    lower += rows * d * L;
+    w += rows * d * L;
+  }
+}
+
+template <int D, int L>
 unsigned eliminate_pack_symmetric(const PackJob& job, const Definite& definite, Watch watch) {
-  const Shape& shape = job.shape;
+  const Shape& shape = job.program.shape(job.pack);
   const int d = D ? D : shape.dimension, m = shape.couplings(), coupled_rows = shape.coupled_rows;
-  Pack* lu = packs(job.factor);
-  Pack* lower = lu + d * d;
-  double* place[lanes];
-  own_places(job, place);
-  load_transposed(place, d * (d + coupled_rows), lu, job.pack.used);
-  Pack reference[D ? D : largest_dimension];
+  const Workplace<L> place(job, shape.size());
+  PackOf<L> lu[D ? D * D : largest_dimension * largest_dimension], reference[D ? D : largest_dimension];
+  load_diagonal<D>(place.blocks(), lu, d);
   load_references(job, d, reference);
   for (int i = 0; i < d; ++i) reference[i] = abs(reference[i]);
-  const unsigned active = job.active, other = factor_definite<D>(lu, reference, definite, d) & active;
+  const unsigned other = factor_definite<D>(lu, reference, definite, d) & job.active;
   if (other != 0) return other;
-
-  Pack* w = packs(job.scratch);
-  Pack* t = w + d * coupled_rows;
-  const Pack* l_block = lower;
-  Pack* w_block = w;
-  for (int i = 0; i < m; ++i) {
-    const int rows = shape.coupled[i];
-    for (int r = 0; r < rows; ++r)
-#pragma GCC unroll 6
-      for (int q = 0; q < d; ++q) w_block[r * d + q] = l_block[q * rows + r];
-    l_block += rows * d;
-    w_block += rows * d;
-  }
-  solve_all<D>(lu, w, d, coupled_rows);
-  l_block = lower;
-  for (int i = 0; i < m; ++i) {
-    const int rows = shape.coupled[i];
-    w_block = w;
-    for (int j = 0; j < i; ++j) {
-      const int columns = shape.coupled[j];
-      product_block<D>(l_block, w_block, t, rows, columns, d);
-      target_places(job, i, j, place);
-      add_transposed(t, rows * columns, place, active, -1.0);
-      w_block += columns * d;
+  store_diagonal<D>(lu, place.blocks(), d);
+  const double* lower = place.blocks() + d * d * L;
+  double* upper = place.blocks() + d * (d + coupled_rows) * L;
+  transpose_panel<D, L>(shape, lower, upper, d);
+  solve_all<D>(lu, upper, d, coupled_rows);
+  for (int i = 0, row = 0; i < m; row += shape.coupled[i++]) {
+    const double* w = upper;
+    for (int j = 0, column = 0; j < i; column += shape.coupled[j++]) {
+      update_block<D, L, false>(job, {i, j, row, column}, lower, w, d, false);
+      w += shape.coupled[j] * d * L;
     }
-    product_lower<D>(l_block, w_block, t, rows, d);
-    if (watch == Watch::yes && shape.coupled_may[i]) remember(job, i, t, rows, active);
-    target_places(job, i, i, place);
-    add_transposed(t, rows * rows, place, active, -1.0);
-    l_block += rows * d;
+    update_block<D, L, true>(job, {i, i, row, row}, lower, w, d, watch == Watch::yes && shape.coupled_may[i]);
+    lower += shape.coupled[i] * d * L;
   }
+  if (job.pack.shares) subtract_all<L>(job, true);
+  place.finish();
   return 0;
 }
-
-template <int D>
-void forward(const PackSolve& job) {
-  const Shape& shape = job.shape;
-  const int d = D ? D : shape.dimension;
-  const Pack* lu = packs(job.factor);
-  const Pack* l_block = lu + d * d;
-  Pack x[D ? D : largest_dimension], t[largest_front];
-  double* place[lanes];
-  for (int l = 0; l < lanes; ++l) place[l] = job.x + job.rows[l];
-  load_transposed(place, d, x, job.pack.used);
-  solve_columns<D, 1>(lu, x, d);
-  store_transposed(x, d, place, job.active);
-  for (int i = 0; i < shape.couplings(); ++i) {
-    const int rows = shape.coupled[i];
-    product<D, 1>(l_block, x, t, rows, d);
-    for (int l = 0; l < lanes; ++l) place[l] = job.x + job.rows[(i + 1) * lanes + l];
-    add_transposed(t, rows, place, job.active, -1.0);
-    l_block += rows * d;
-  }
-}
-
-template <int D>
-void backward(const PackSolve& job) {
-  const Shape& shape = job.shape;
-  const int d = D ? D : shape.dimension;
-  const Pack* w = packs(job.factor) + d * (d + shape.coupled_rows);
-  Pack coupled[largest_front];
-  double* place[lanes];
-  for (int i = 0, row = 0; i < shape.couplings(); row += shape.coupled[i++]) {
-    for (int l = 0; l < lanes; ++l) place[l] = job.x + job.rows[(i + 1) * lanes + l];
-    load_transposed(place, shape.coupled[i], coupled + row, job.pack.used);
-  }
-  Pack sum[D ? D : largest_dimension];
-  for (int p = 0; p < d; ++p) sum[p] = Pack(0.0);
-  for (int c = 0; c < shape.coupled_rows; ++c)
-    for (int p = 0; p < d; ++p) sum[p] = multiply_add(w[c * d + p], coupled[c], sum[p]);
-  for (int l = 0; l < lanes; ++l) place[l] = job.x + job.rows[l];
-  add_transposed(sum, d, place, job.active, -1.0);
-}
-
-template <int D>
-void backward_symmetric(const PackSolve& job) {
-  const Shape& shape = job.shape;
-  const int d = D ? D : shape.dimension;
-  const Pack* lu = packs(job.factor);
-  const Pack* l_block = lu + d * d;
-  Pack coupled[largest_front], sum[D ? D : largest_dimension];
-  double* place[lanes];
-  for (int p = 0; p < d; ++p) sum[p] = Pack(0.0);
-  for (int i = 0; i < shape.couplings(); ++i) {
-    const int rows = shape.coupled[i];
-    for (int l = 0; l < lanes; ++l) place[l] = job.x + job.rows[(i + 1) * lanes + l];
-    load_transposed(place, rows, coupled, job.pack.used);
-    for (int r = 0; r < rows; ++r)
-#pragma GCC unroll 6
-      for (int p = 0; p < d; ++p) sum[p] = multiply_add(l_block[p * rows + r], coupled[r], sum[p]);
-    l_block += rows * d;
-  }
-  solve_columns<D, 1>(lu, sum, d);
-  for (int l = 0; l < lanes; ++l) place[l] = job.x + job.rows[l];
-  add_transposed(sum, d, place, job.active, -1.0);
-}
-
-/// The same function with the dimension as a constant, for the usual ones.
-#define GRAPHSOLVE_BY_DIMENSION(d, function, ...)     \
-  switch (d) {                                        \
-    case 1: return function<1>(__VA_ARGS__);          \
-    case 2: return function<2>(__VA_ARGS__);          \
-    case 3: return function<3>(__VA_ARGS__);          \
-    case 4: return function<4>(__VA_ARGS__);          \
-    case 5: return function<5>(__VA_ARGS__);          \
-    case 6: return function<6>(__VA_ARGS__);          \
-    default: return function<0>(__VA_ARGS__);         \
-  }
 
 }  // namespace
 
-unsigned Eliminate(const PackJob& job) { GRAPHSOLVE_BY_DIMENSION(job.shape.dimension, eliminate_pack, job) }
-unsigned EliminateSymmetric(const PackJob& job, const Definite& definite, Watch watch) {
-  GRAPHSOLVE_BY_DIMENSION(job.shape.dimension, eliminate_pack_symmetric, job, definite, watch)
+unsigned Eliminate(const PackJob& job) {
+  GRAPHSOLVE_BY_SHAPE(job.pack.lanes, job.program.shape(job.pack).dimension, eliminate_pack, job)
 }
-void SolveForward(const PackSolve& job) { GRAPHSOLVE_BY_DIMENSION(job.shape.dimension, forward, job) }
-void SolveBackward(const PackSolve& job) { GRAPHSOLVE_BY_DIMENSION(job.shape.dimension, backward, job) }
-void SolveBackwardSymmetric(const PackSolve& job) {
-  GRAPHSOLVE_BY_DIMENSION(job.shape.dimension, backward_symmetric, job)
+unsigned EliminateSymmetric(const PackJob& job, const Definite& definite, Watch watch) {
+  GRAPHSOLVE_BY_SHAPE(job.pack.lanes, job.program.shape(job.pack).dimension, eliminate_pack_symmetric, job, definite, watch)
 }
 
 }  // namespace graphsolve::simd::HWY_NAMESPACE
@@ -225,17 +273,11 @@ namespace graphsolve::simd {
 
 HWY_EXPORT(Eliminate);
 HWY_EXPORT(EliminateSymmetric);
-HWY_EXPORT(SolveForward);
-HWY_EXPORT(SolveBackward);
-HWY_EXPORT(SolveBackwardSymmetric);
 
 unsigned eliminate(const PackJob& job) { return HWY_DYNAMIC_DISPATCH(Eliminate)(job); }
 unsigned eliminate_symmetric(const PackJob& job, const Definite& definite, Watch watch) {
   return HWY_DYNAMIC_DISPATCH(EliminateSymmetric)(job, definite, watch);
 }
-void solve_forward(const PackSolve& job) { HWY_DYNAMIC_DISPATCH(SolveForward)(job); }
-void solve_backward(const PackSolve& job) { HWY_DYNAMIC_DISPATCH(SolveBackward)(job); }
-void solve_backward_symmetric(const PackSolve& job) { HWY_DYNAMIC_DISPATCH(SolveBackwardSymmetric)(job); }
 
 }  // namespace graphsolve::simd
 #endif

@@ -1,90 +1,214 @@
 #include "simd/program.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <map>
-#include <numeric>
+#include <utility>
+
+#include "simd/bundles.hpp"
 
 namespace graphsolve::simd {
 
 namespace {
 
-/// Steps from the leaves of the elimination tree.
-std::vector<int> levels(const Symbolic& s) {
-  std::vector<int> level(s.pivots(), 0);
-  for (int k = 0; k < s.pivots(); ++k)
-    if (const int parent = s.parent(k); parent >= 0) level[parent] = std::max(level[parent], level[k] + 1);
-  return level;
+bool fits(const Symbolic& s, int k) {
+  if (s.pivot(k).dimension > largest_dimension || s.pivot(k).coupled_rows > largest_front) return false;
+  return std::ranges::all_of(s.coupled(k), [&](int later) { return s.dimension(later) <= largest_dimension; });
 }
 
-bool fits(const Symbolic::Pivot& p) { return p.dimension <= largest_dimension && p.coupled_rows <= largest_front; }
+/// The structure of a component: equal for equal ones.
+std::vector<int> signature(const Symbolic& s, int component, std::span<const int> shape) {
+  std::vector<int> result;
+  const int begin = s.component_begin(component);
+  for (int k = begin; k < s.component_begin(component + 1); ++k) {
+    const Symbolic::Pivot& p = s.pivot(k);
+    result.insert(result.end(), {shape[k], p.dimension, p.saddle ? 1 : 0, p.may_depend ? 1 : 0, p.end - p.begin});
+    for (const int later : s.coupled(k)) result.push_back(later - begin);
+  }
+  return result;
+}
 
 }  // namespace
 
-Program::Program(const Symbolic& s) {
-  std::map<std::vector<int>, int> number;  // dimension and kind, then of each coupled block dimension and kind
-  std::vector<int> shape(s.pivots(), -1), key;
-  for (int k = 0; k < s.pivots(); ++k) {
-    const Symbolic::Pivot& p = s.pivot(k);
-    if (!fits(p)) continue;
-    key.assign({p.dimension, (p.saddle ? 2 : 0) + (p.may_depend ? 1 : 0)});
-    for (const int later : s.coupled(k)) key.insert(key.end(), {s.dimension(later), s.may_depend(later) ? 1 : 0});
-    const auto [found, is_new] = number.try_emplace(key, static_cast<int>(shapes_.size()));
-    if (is_new) add_shape(s, k);
-    shape[k] = found->second;
+/// Components of equal structure, and how one of them is eliminated.
+struct Program::Class {
+  std::vector<int> components;
+  std::vector<Bundle> bundles;
+};
+
+Program::Program(const Symbolic& s, Packs packs) : group_of_(s.components(), -1), place_(s.pivots(), -1) {
+  if (packs == Packs::off) {
+    go_one_by_one(s);
+    return;
   }
-  const std::vector<int> level = levels(s);
-  std::vector<int> order(s.pivots());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](int a, int b) {
-    return std::tuple(level[a], shape[a], a) < std::tuple(level[b], shape[b], b);
-  });
-  for (std::size_t i = 0; i < order.size();) {
-    std::size_t end = i;
-    while (end < order.size() && level[order[end]] == level[order[i]] && shape[order[end]] == shape[order[i]]) ++end;
-    while (i < end) {
-      const std::size_t some = std::min<std::size_t>(lanes, end - i);
-      if (shape[order[i]] >= 0) {
-        add_pack(s, shape[order[i]], std::span(order).subspan(i, some));
-        i += some;
-      } else {
-        steps_.push_back({-1, order[i++]});
-      }
+  find_shapes(s);
+  // A remainder of copies goes side by side only if it fills its lanes better than a copy does by itself.
+  constexpr int fewest_copies = 3;
+  for (const Class& equal : classes(s)) {
+    std::span<const int> rest = equal.components;
+    while (static_cast<int>(rest.size()) >= fewest_copies) {
+      const auto some = rest.first(std::min<std::size_t>(lanes, rest.size()));
+      add_copies(s, equal, some);
+      rest = rest.subspan(some.size());
     }
+    for (const int component : rest) add_one(s, equal, component);
   }
+  shape_of_ = std::vector<int>();
+  shapes_.shrink_to_fit();
   steps_.shrink_to_fit();
+  groups_.shrink_to_fit();
   packs_.shrink_to_fit();
   rows_.shrink_to_fit();
 }
 
-void Program::add_shape(const Symbolic& s, int k) {
-  const Symbolic::Pivot& p = s.pivot(k);
-  Shape shape{p.dimension, p.coupled_rows, p.saddle, p.may_depend, {}, {}, p.may_depend};
-  for (const int later : s.coupled(k)) {
-    shape.coupled.push_back(s.dimension(later));
-    shape.coupled_may.push_back(s.may_depend(later) ? 1 : 0);
-    shape.uncertain |= s.may_depend(later);
+void Program::go_one_by_one(const Symbolic& s) {
+  for (int k = 0; k < s.pivots(); ++k) steps_.push_back({-1, k});
+  for (int c = 0; c < s.components(); ++c) {
+    group_of_[c] = c;
+    groups_.push_back({s.component_begin(c), s.component_begin(c + 1), 0, 0, 1, {c}});
   }
-  const int largest = shape.coupled.empty() ? 1 : *std::max_element(shape.coupled.begin(), shape.coupled.end());
-  scratch_size_ = std::max(scratch_size_, lanes * (largest * largest + p.dimension * p.coupled_rows));
-  shapes_.push_back(std::move(shape));
+  steps_.shrink_to_fit();
+  groups_.shrink_to_fit();
 }
 
-void Program::add_pack(const Symbolic& s, int shape, std::span<const int> pivots) {
-  const Shape& form = shapes_[shape];
-  PivotPack pack{.shape = shape, .used = (1u << pivots.size()) - 1, .pivot = {}, .factor = factor_size_,
-                 .rows = static_cast<int>(rows_.size())};
-  for (int l = 0; l < lanes; ++l) pack.pivot[l] = pivots[l < static_cast<int>(pivots.size()) ? l : 0];
-  for (const int k : pack.pivot) rows_.push_back(s.row(k));
-  for (int c = 0; c < form.couplings(); ++c)
-    for (const int k : pack.pivot) rows_.push_back(s.row(s.coupled(k)[c]));
-  factor_size_ += form.size() * lanes;
-  steps_.push_back({static_cast<int>(packs_.size()), -1});
+void Program::find_shapes(const Symbolic& s) {
+  std::map<std::vector<int>, int> number;  // dimension and kind, then of each coupled block dimension and kind
+  std::vector<int> key;
+  shape_of_.assign(s.pivots(), -1);
+  for (int k = 0; k < s.pivots(); ++k) {
+    const Symbolic::Pivot& p = s.pivot(k);
+    if (!fits(s, k)) continue;
+    key.assign({p.dimension, (p.saddle ? 2 : 0) + (p.may_depend ? 1 : 0)});
+    for (const int later : s.coupled(k)) key.insert(key.end(), {s.dimension(later), s.may_depend(later) ? 1 : 0});
+    const auto [found, is_new] = number.try_emplace(key, static_cast<int>(shapes_.size()));
+    shape_of_[k] = found->second;
+    if (!is_new) continue;
+    Shape shape{p.dimension, p.coupled_rows, p.saddle, p.may_depend, {}, {}, p.may_depend};
+    for (const int later : s.coupled(k)) {
+      shape.coupled.push_back(s.dimension(later));
+      shape.coupled_may.push_back(s.may_depend(later) ? 1 : 0);
+      shape.uncertain |= s.may_depend(later);
+    }
+    shapes_.push_back(std::move(shape));
+  }
+}
+
+std::vector<Program::Class> Program::classes(const Symbolic& s) const {
+  std::vector<Class> result;
+  std::map<std::vector<int>, int> number;
+  for (int c = 0; c < s.components(); ++c) {
+    int equal = static_cast<int>(result.size());
+    if (s.components() > 1) equal = number.try_emplace(signature(s, c, shape_of_), equal).first->second;
+    if (equal == static_cast<int>(result.size()))
+      result.push_back({{}, bundles(s, s.component_begin(c), s.component_begin(c + 1), shape_of_)});
+    result[equal].components.push_back(c);
+  }
+  return result;
+}
+
+void Program::add_one(const Symbolic& s, const Class& equal, int component) {
+  const int first = static_cast<int>(steps_.size()), begin = s.component_begin(component);
+  for (const Bundle& bundle : equal.bundles) {
+    const int k = begin + bundle.pivot[std::countr_zero(bundle.used)], shape = shape_of_[k];
+    const bool lone = bundle.lanes == 1 && s.dimension(k) > largest_lone;
+    if (shape < 0 || lone) {
+      for (int l = 0; l < bundle.lanes; ++l)
+        if (bundle.used >> l & 1u) steps_.push_back({-1, begin + bundle.pivot[l]});
+      continue;
+    }
+    PivotPack pack{.shape = shape, .lanes = bundle.lanes, .used = bundle.used, .pivot = bundle.pivot,
+                   .shares = false, .place = -1, .rows = 0, .targets = 0};
+    for (int& pivot : pack.pivot) pivot += begin;
+    add_pack(s, pack);
+  }
+  group_of_[component] = static_cast<int>(groups_.size());
+  groups_.push_back({first, static_cast<int>(steps_.size()), 0, 0, 1, {component}});
+}
+
+/// In the order in which the lanes of a single one are added up: what becomes of a component does not depend on how
+/// many there are.
+void Program::add_copies(const Symbolic& s, const Class& equal, std::span<const int> components) {
+  const int first = static_cast<int>(steps_.size()), copies = static_cast<int>(components.size());
+  Group group{first, 0, 0, 0, copies, {}};
+  for (int c = 0; c < copies; ++c) {
+    group.component[c] = components[c];
+    group_of_[components[c]] = static_cast<int>(groups_.size());
+  }
+  for (const Bundle& bundle : equal.bundles)
+    for (int l = 0; l < bundle.lanes; ++l) {
+      if (!(bundle.used >> l & 1u)) continue;
+      PivotPack pack{.shape = shape_of_[s.component_begin(components[0]) + bundle.pivot[l]], .lanes = lanes_for(copies),
+                     .used = (1u << copies) - 1, .pivot = {}, .shares = false, .place = -1, .rows = 0, .targets = 0};
+      for (int c = 0; c < lanes; ++c)
+        pack.pivot[c] = s.component_begin(components[c < copies ? c : 0]) + bundle.pivot[l];
+      if (pack.shape >= 0) add_pack(s, pack);
+      else
+        for (int c = 0; c < copies; ++c) steps_.push_back({-1, pack.pivot[c]});
+    }
+  group.end_step = static_cast<int>(steps_.size());
+  groups_.push_back(group);
+}
+
+void Program::add_pack(const Symbolic& s, PivotPack pack) {
+  const Shape& shape = shapes_[pack.shape];
+  const int number = static_cast<int>(packs_.size());
+  pack.rows = static_cast<int>(rows_.size());
+  for (int l = 0; l < pack.lanes; ++l) {
+    rows_.push_back(s.row(pack.pivot[l]));
+    if (pack.used >> l & 1u) place_[pack.pivot[l]] = number * lanes + l;
+  }
+  for (int c = 0; c < shape.couplings(); ++c)
+    for (int l = 0; l < pack.lanes; ++l) rows_.push_back(s.row(s.coupled(pack.pivot[l])[c]));
+  scratch_size_ = std::max(scratch_size_, shape.size() * pack.lanes);
+  steps_.push_back({number, -1});
   packs_.push_back(pack);
 }
 
+void Program::find_targets(const Symbolic& s) {
+  std::array<Target, lanes> of_lane{};
+  std::vector<int> seen(s.pivots(), -1);  // last pack that couples to a pivot
+  for (PivotPack& pack : packs_) {
+    const int number = static_cast<int>(&pack - packs_.data());
+    for (int l = 0; l < pack.lanes; ++l) {
+      if (!(pack.used >> l & 1u)) continue;
+      for (const int later : s.coupled(pack.pivot[l])) pack.shares |= std::exchange(seen[later], number) == number;
+    }
+    if (pack.shares) scratch_size_ = std::max(scratch_size_, (shape(pack).size() + shape(pack).coupled_rows * shape(pack).coupled_rows) * pack.lanes);
+    const int m = shape(pack).couplings(), first = std::countr_zero(pack.used);
+    pack.targets = static_cast<int>(targets_.size());
+    for (int i = 0; i < m; ++i)
+      for (int j = 0; j < m; ++j) {
+        bool side_by_side = true;
+        for (int l = 0; l < pack.lanes; ++l) {
+          const Symbolic::Pivot& p = s.pivot(pack.pivot[l]);
+          of_lane[l] = {s.targets(p)[i * p.target_stride + j], s.pivot(s.coupled(pack.pivot[l])[std::min(i, j)]).stride};
+        }
+        for (int l = 0; l < pack.lanes; ++l)
+          side_by_side &= !(pack.used >> l & 1u) || (of_lane[l].place - of_lane[first].place == l - first &&
+                                                     of_lane[l].stride == of_lane[first].stride);
+        // Room for all lanes, so that a register may be read and written whole.
+        const std::int64_t place = of_lane[first].place - first;
+        side_by_side &= !pack.shares && place % of_lane[first].stride + pack.lanes <= of_lane[first].stride;
+        if (side_by_side) {
+          targets_.push_back({place, of_lane[first].stride});
+          continue;
+        }
+        targets_.push_back({~static_cast<std::int64_t>(scattered_.size()), 0});
+        scattered_.insert(scattered_.end(), of_lane.begin(), of_lane.begin() + pack.lanes);
+      }
+  }
+  targets_.shrink_to_fit();
+  scattered_.shrink_to_fit();
+}
+
 std::int64_t Program::memory() const {
-  return static_cast<std::int64_t>(sizeof(Program) + steps_.size() * sizeof(Step) + packs_.size() * sizeof(PivotPack) +
-                                   shapes_.size() * sizeof(Shape) + rows_.size() * sizeof(int));
+  std::int64_t couplings = 0;
+  for (const Shape& shape : shapes_) couplings += shape.couplings();
+  return static_cast<std::int64_t>(sizeof(Program) + steps_.size() * sizeof(Step) + groups_.size() * sizeof(Group) +
+                                   group_of_.size() * sizeof(int) + packs_.size() * sizeof(PivotPack) +
+                                   shapes_.size() * sizeof(Shape) + (place_.size() + rows_.size()) * sizeof(int) +
+                                   (targets_.size() + scattered_.size()) * sizeof(Target)) +
+         couplings * static_cast<std::int64_t>(sizeof(int) + sizeof(char));
 }
 
 }  // namespace graphsolve::simd

@@ -9,12 +9,13 @@
 #include "graphsolve/symbolic.hpp"
 
 /// The elimination as a program for packs: pivots of one shape at one level of the elimination tree do not depend on
-/// each other, so eight of them are factored as one. Worked out once, immutable, shared by threads.
+/// each other, so up to eight of them are factored as one. Worked out once, immutable, shared by threads.
 namespace graphsolve::simd {
 
-/// Larger pivots have enough to do inside and go alone.
+/// Larger pivots have enough to do inside and go alone, and so do those coupled to larger ones.
 inline constexpr int largest_dimension = 16;
 inline constexpr int largest_front = 32;  ///< coupled rows; beyond, few pivots of a level are equal
+inline constexpr int largest_lone = 6;    ///< dimension of a pivot that is packed though no other is equal
 inline constexpr int largest_factor = largest_dimension * (largest_dimension + 2 * largest_front);  ///< scalars
 
 /// Pivots are of one shape when their blocks and those coupled to them agree in size, and in whether their rows may
@@ -28,50 +29,92 @@ struct Shape {
   std::vector<char> coupled_may;  ///< may their rows depend?
   bool uncertain;                 ///< may any rows, its own or those of coupled blocks?
   [[nodiscard]] int couplings() const { return static_cast<int>(coupled.size()); }
-  /// Packs of the factor: D as LU, L, and D^-1 U, which the symmetric kinds do without.
-  [[nodiscard]] std::int64_t size() const {
-    return static_cast<std::int64_t>(dimension) * (dimension + 2 * coupled_rows);
-  }
+  /// Scalars of the factor: D, L, U, one block after the other.
+  [[nodiscard]] int size() const { return dimension * (dimension + 2 * coupled_rows); }
 };
 
-/// One to eight pivots in lanes; lanes without a pivot repeat lane 0 and write nothing. A single pivot is a pack too: what
-/// becomes of it in bits does not depend on its company.
+/// Pivots in lanes. Scalar i of lane l lies at values[place + i lanes + l]: blocks of the matrix are written there, and
+/// become those of the factor. Lanes without a pivot repeat one that is used, in `pivot`; their scalars mean nothing.
 struct PivotPack {
   int shape;
-  unsigned used;                  ///< bit per lane that has a pivot
-  std::array<int, lanes> pivot;
-  std::int64_t factor;            ///< place of its factor, in doubles
-  int rows;                       ///< first of lanes * (1 + couplings) entries in Program::rows
+  int lanes;                           ///< 1, 2, 4 or 8
+  unsigned used;                       ///< bit per lane that has a pivot
+  std::array<int, simd::lanes> pivot;
+  bool shares;                         ///< do several of its pivots couple to one and the same?
+  std::int64_t place;
+  int rows;                            ///< first of lanes * (1 + couplings) entries in Program::rows
+  int targets;                         ///< first of couplings^2 entries in Program::targets
+};
+
+/// Blocks that the lanes of a pack change: lane l's from place + l on, its scalars `stride` apart. Where the blocks do not
+/// lie side by side like that, place is ~ of the first of as many entries in Program::scattered() as there are lanes.
+struct Target {
+  std::int64_t place;
+  int stride;
 };
 
 class Program {
  public:
-  explicit Program(const Symbolic& symbolic);
+  Program(const Symbolic& symbolic, Packs packs);
 
   /// One thing to do: the pack of this number, or, if pack < 0, one pivot by itself.
   struct Step {
     int pack;
     int pivot;
   };
+  /// Components that are eliminated together: one, or up to eight of equal structure, each in a lane of every pack.
+  struct Group {
+    int first_step, end_step;
+    std::int64_t begin, end;  ///< of its part of the values
+    int copies;
+    std::array<int, simd::lanes> component;
+  };
+  [[nodiscard]] std::span<const Group> groups() const { return groups_; }
+  [[nodiscard]] int group_of(int component) const { return group_of_[component]; }
   [[nodiscard]] std::span<const Step> steps() const { return steps_; }
+  [[nodiscard]] std::span<const Step> steps(const Group& g) const {
+    return std::span(steps_).subspan(g.first_step, g.end_step - g.first_step);
+  }
   [[nodiscard]] const PivotPack& pack(int i) const { return packs_[i]; }
   [[nodiscard]] int packs() const { return static_cast<int>(packs_.size()); }
   [[nodiscard]] const Shape& shape(const PivotPack& pack) const { return shapes_[pack.shape]; }
+  /// Pack and lane of a pivot, as pack * 8 + lane; -1 for one that goes by itself.
+  [[nodiscard]] int place(int pivot) const { return place_[pivot]; }
   /// First row, in the user's numbering, of each lane's pivot, then of each lane's first coupled block, and so on.
   [[nodiscard]] const int* rows(const PivotPack& pack) const { return rows_.data() + pack.rows; }
-  [[nodiscard]] std::int64_t factor_size() const { return factor_size_; }  ///< doubles
-  [[nodiscard]] int scratch_size() const { return scratch_size_; }         ///< doubles
-  [[nodiscard]] std::int64_t memory() const;                               ///< bytes, without the factor
+  /// The blocks between couplings i and j at [i couplings + j].
+  [[nodiscard]] const Target* targets(const PivotPack& pack) const { return targets_.data() + pack.targets; }
+  [[nodiscard]] const Target* scattered() const { return scattered_.data(); }
+  [[nodiscard]] int scratch_size() const { return scratch_size_; }  ///< doubles, for the largest pack
+  [[nodiscard]] std::int64_t memory() const;                        ///< bytes
+
+  // While the plan is made.
+  void set_place(int pack, std::int64_t place) { packs_[pack].place = place; }
+  void set_extent(int group, std::int64_t begin, std::int64_t end) {
+    groups_[group].begin = begin;
+    groups_[group].end = end;
+  }
+  /// After all blocks have found their places.
+  void find_targets(const Symbolic& symbolic);
 
  private:
-  void add_shape(const Symbolic& symbolic, int pivot);
-  void add_pack(const Symbolic& symbolic, int shape, std::span<const int> pivots);
+  struct Class;
+  void go_one_by_one(const Symbolic& symbolic);
+  void find_shapes(const Symbolic& symbolic);
+  [[nodiscard]] std::vector<Class> classes(const Symbolic& symbolic) const;
+  void add_one(const Symbolic& symbolic, const Class& equal, int component);
+  void add_copies(const Symbolic& symbolic, const Class& equal, std::span<const int> components);
+  void add_pack(const Symbolic& symbolic, PivotPack pack);
 
   std::vector<Step> steps_;
+  std::vector<Group> groups_;
+  std::vector<int> group_of_;  ///< by component
   std::vector<PivotPack> packs_;
   std::vector<Shape> shapes_;
+  std::vector<int> shape_of_;  ///< by pivot; only while the plan is made
+  std::vector<int> place_;
   std::vector<int> rows_;
-  std::int64_t factor_size_ = 0;
+  std::vector<Target> targets_, scattered_;
   int scratch_size_ = 0;
 };
 

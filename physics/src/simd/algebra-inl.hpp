@@ -17,15 +17,10 @@ using graphsolve::simd::HWY_NAMESPACE::Mask;
 using graphsolve::simd::HWY_NAMESPACE::Pack;
 namespace gs = graphsolve::simd::HWY_NAMESPACE;
 
-HWY_INLINE Pack load(const Octet& from) { return gs::load(from.lane); }
+HWY_INLINE Pack load(const Octet& from) { return gs::load<graphsolve::simd::lanes>(from.lane); }
 HWY_INLINE void store(const Pack& a, Octet& to) { gs::store(a, to.lane); }
 
-/// True where the bit is set.
-HWY_INLINE Mask lanes_of(unsigned bits) {
-  Octet set;
-  for (int l = 0; l < graphsolve::simd::lanes; ++l) set[l] = bits >> l & 1u;
-  return load(set) > Pack(0.5);
-}
+HWY_INLINE Mask lanes_of(unsigned set) { return gs::lanes_of<graphsolve::simd::lanes>(set); }
 
 struct Vector3 {
   Pack x, y, z;

@@ -44,18 +44,12 @@ void EvaluateBodies(const BodyTask& task) {
   put(half * (s * jw + cross(w, jw)) - vector(known + 3), residual + 3);
   gs::add_transposed(residual, 6, task.residual, used, 1.0);
 
-  if (!task.block[0]) return;
+  if (!task.values) return;
   const Matrix3 turned{cross(w, inertia.c0), cross(w, inertia.c1), cross(w, inertia.c2)};
-  Pack angular[9];
-  put(half * (s * inertia - outer(jw, w_over_s) + turned - skew(jw)), angular);
-  double* column[8];
-  for (int c = 0; c < 3; ++c) {
-    for (int l = 0; l < 8; ++l) column[l] = task.block[l] + 6 * (c + 3) + 3;
-    gs::add_transposed(angular + 3 * c, 3, column, used, 1.0);
-  }
-  for (int l = 0; l < 8; ++l)
-    if (used >> l & 1u)
-      for (int c = 0; c < 3; ++c) task.block[l][7 * c] += task.constants->mass[l];
+  constexpr int entry[12] = {0, 7, 14, 21, 22, 23, 27, 28, 29, 33, 34, 35};  // mass on the diagonal, then the angular block
+  Pack added[12] = {mass, mass, mass};
+  put(half * (s * inertia - outer(jw, w_over_s) + turned - skew(jw)), added + 3);
+  gs::add_entries(added, 12, [&](int i) HWY_ATTR { return entry[i]; }, task.values, *task.blocks, used, 1.0);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "graphsolve/simd/lane_blocks.hpp"
 #include "simd/octet.hpp"
 
 namespace physics {
@@ -20,7 +21,8 @@ struct BodyTask {
   const double* known_linear[8];
   const double* known_angular[8];
   double* residual[8];             ///< 6
-  double* block[8];                ///< 6 x 6 column-major, all null where no matrix is wanted
+  double* values;                  ///< of the matrix; null where none is wanted
+  const graphsolve::simd::LaneBlocks* blocks;  ///< 6 x 6
 };
 
 /// Poses after the step, residual, and its derivative: Bodies says which.

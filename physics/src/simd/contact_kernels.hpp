@@ -1,5 +1,6 @@
 #pragma once
 
+#include "graphsolve/simd/lane_blocks.hpp"
 #include "simd/octet.hpp"
 
 namespace physics {
@@ -30,7 +31,8 @@ struct ContactTask {
   const double* pose[8];    ///< Pose
   const double* x[8];       ///< v, w of the body, or their change
   double* rows[8];          ///< 6 of the body
-  double* block[8];         ///< 6 x 6 column-major
+  double* values;           ///< of the matrix
+  const graphsolve::simd::LaneBlocks* blocks;  ///< 6 x 6 of the bodies
   Octet first, second;      ///< arguments by lane
   Octet out, also_out;      ///< results by lane
 };

@@ -12,6 +12,8 @@ HWY_BEFORE_NAMESPACE();
 namespace physics::HWY_NAMESPACE {
 namespace {
 
+using graphsolve::simd::LaneBlocks;
+
 struct Place {  ///< a Pose
   Vector3 x;
   Quaternion q;
@@ -159,14 +161,14 @@ HWY_INLINE void push(const Octet* force, const Pack* impulses, Pack* out) {
 
 /// Blocks (joint, body) += derivative and (body, joint) -= force^T.
 template <int Rows>
-HWY_INLINE void write(const Pack* derivative, const Octet* force, double* const* down, double* const* across,
-                      unsigned used) {
+HWY_INLINE void write(const JointTask& task, const Pack* derivative, const Octet* force, const LaneBlocks& down,
+                      const LaneBlocks& across) {
   Pack block[6 * Rows];
   for (int c = 0; c < 6; ++c)
     for (int r = 0; r < Rows; ++r) block[c * Rows + r] = derivative[6 * r + c];
-  gs::add_transposed(block, 6 * Rows, down, used, 1.0);
+  gs::add_blocks(block, 6 * Rows, task.values, down, task.used, 1.0);
   for (int i = 0; i < 6 * Rows; ++i) block[i] = load(force[i]);
-  gs::add_transposed(block, 6 * Rows, across, used, -1.0);
+  gs::add_blocks(block, 6 * Rows, task.values, across, task.used, -1.0);
 }
 
 template <JointRows Rows>
@@ -183,11 +185,11 @@ HWY_INLINE void evaluate(const JointTask& task) {
   push<K::rows>(task.octet->child_force, impulses, wrenches);
   push<K::rows>(task.octet->parent_force, impulses, wrenches + 6);
   gs::store_transposed(wrenches, 12, task.wrenches, used);
-  if (!task.to_child[0]) return;
+  if (!task.values) return;
   Pack child[6 * K::rows], parent[6 * K::rows];
   joint.template derivative<true>(child, parent);
-  write<K::rows>(child, task.octet->child_force, task.to_child, task.from_child, used);
-  write<K::rows>(parent, task.octet->parent_force, task.to_parent, task.from_parent, used);
+  write<K::rows>(task, child, task.octet->child_force, task.blocks->to_child, task.blocks->from_child);
+  write<K::rows>(task, parent, task.octet->parent_force, task.blocks->to_parent, task.blocks->from_parent);
 }
 
 #define PHYSICS_BY_JOINT_ROWS(function, task)                                             \

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "graphsolve/simd/lane_blocks.hpp"
 #include "simd/octet.hpp"
 
 namespace physics {
@@ -13,7 +14,6 @@ enum class JointRows {
   prismatic_motor,  ///< and a motor along the axis
   fixed,            ///< 3 translations in world axes, 3 rotations
 };
-inline constexpr int joint_row_kinds = 6;
 
 /// Eight joints with the same kind of rows. Forces act along the rows of child_force and parent_force, 6 numbers each:
 /// entry 6 row + column.
@@ -23,6 +23,11 @@ struct JointOctet {
   Octet orientation[4];          ///< child relative to parent at rest: x, y, z, w
   Octet orientation_matrix[9];   ///< the same, column-major
   Octet child_force[36], parent_force[36];
+};
+
+/// Blocks (joint, body) and (body, joint) of eight joints; none where the body is the world.
+struct JointBlocks {
+  graphsolve::simd::LaneBlocks to_child, to_parent, from_child, from_parent;
 };
 
 /// Eight joints or fewer: bit per lane in `used`; the other lanes point where a used one does and write nothing.
@@ -35,9 +40,8 @@ struct JointTask {
   const double* impulses[8];           ///< one per row
   double* residual[8];                 ///< of the joint's own rows
   double* wrenches[8];                 ///< out, 12: force^T impulses on the child, on the parent
-  // Blocks (joint, body) and (body, joint); all null where no matrix is wanted, a place to spoil where the body is the
-  // world.
-  double *to_child[8], *to_parent[8], *from_child[8], *from_parent[8];
+  double* values;                      ///< of the matrix; null where none is wanted
+  const JointBlocks* blocks;
 };
 
 /// Force directions at the poses of the task.

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -21,6 +23,15 @@ struct alignas(64) Octet {
 constexpr int octet_of(int place) { return place / graphsolve::simd::lanes; }
 constexpr int lane_of(int place) { return place % graphsolve::simd::lanes; }
 constexpr int octets_for(int places) { return octet_of(places + graphsolve::simd::lanes - 1); }
+
+/// All numbers of one lane of a structure of octets.
+template <class T>
+void copy_lane(const T& from, int from_lane, T& to, int to_lane) {
+  static_assert(sizeof(T) % sizeof(Octet) == 0 && std::is_trivially_copyable_v<T>);
+  const auto* source = reinterpret_cast<const Octet*>(&from);
+  auto* target = reinterpret_cast<Octet*>(&to);
+  for (std::size_t i = 0; i < sizeof(T) / sizeof(Octet); ++i) target[i][to_lane] = source[i][from_lane];
+}
 
 /// Takes a list of items octet by octet.
 class OctetGroups {

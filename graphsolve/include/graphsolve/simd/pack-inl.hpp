@@ -10,90 +10,115 @@
 
 #include <cstdint>
 
-#include "graphsolve/simd/lanes.hpp"
+#include "graphsolve/simd/lane_blocks.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace graphsolve::simd::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using VectorTag = hn::CappedTag<double, lanes>;
-using Vector = hn::VFromD<VectorTag>;
-using VectorMask = decltype(hn::Lt(Vector(), Vector()));
-inline constexpr int width = static_cast<int>(hn::MaxLanes(VectorTag()));  ///< doubles in one register
-inline constexpr int parts = lanes / width;
-
-/// One number of each of eight independent problems, in as many registers as the machine needs for them. Behaves
-/// like a double: a law or a kernel written for a scalar type runs on it. 64 bytes in memory, on every machine.
-struct Pack {
+/// One number of each of L independent problems, in as many registers as the machine needs for them. Behaves like a
+/// double: a law or a kernel written for a scalar type runs on it.
+template <int L>
+struct PackOf {
+  using Tag = hn::CappedTag<double, L>;
+  using Vector = hn::VFromD<Tag>;
+  static constexpr int width = static_cast<int>(hn::MaxLanes(Tag()));  ///< doubles in one register
+  static constexpr int parts = L / width;
   Vector part[parts];
 
-  Pack() = default;
-  HWY_INLINE Pack(double value) {  // NOLINT: a constant is a pack of equal numbers
-    for (int i = 0; i < parts; ++i) part[i] = hn::Set(VectorTag(), value);
+  PackOf() = default;
+  HWY_INLINE PackOf(double value) {  // NOLINT: a constant is a pack of equal numbers
+    for (int i = 0; i < parts; ++i) part[i] = hn::Set(Tag(), value);
   }
-};
 
-/// One truth value per lane.
-struct Mask {
-  VectorMask part[parts];
-};
-
-/// Eight consecutive doubles, aligned to a register or not.
-HWY_INLINE Pack load(const double* from) {
-  Pack r;
-  for (int i = 0; i < parts; ++i) r.part[i] = hn::LoadU(VectorTag(), from + i * width);
-  return r;
-}
-HWY_INLINE void store(const Pack& a, double* to) {
-  for (int i = 0; i < parts; ++i) hn::StoreU(a.part[i], VectorTag(), to + i * width);
-}
-
-#define GRAPHSOLVE_PACK_BINARY(name, operation)                                   \
-  HWY_INLINE Pack name(const Pack& a, const Pack& b) {                            \
-    Pack r;                                                                       \
-    for (int i = 0; i < parts; ++i) r.part[i] = hn::operation(a.part[i], b.part[i]); \
-    return r;                                                                     \
+#define GRAPHSOLVE_PACK_BINARY(name, operation)                                       \
+  friend HWY_INLINE PackOf name(const PackOf& a, const PackOf& b) {                   \
+    PackOf r;                                                                         \
+    for (int i = 0; i < parts; ++i) r.part[i] = hn::operation(a.part[i], b.part[i]);  \
+    return r;                                                                         \
   }
-GRAPHSOLVE_PACK_BINARY(operator+, Add)
-GRAPHSOLVE_PACK_BINARY(operator-, Sub)
-GRAPHSOLVE_PACK_BINARY(operator*, Mul)
-GRAPHSOLVE_PACK_BINARY(operator/, Div)
-GRAPHSOLVE_PACK_BINARY(min, Min)  ///< of a NaN: either
-GRAPHSOLVE_PACK_BINARY(max, Max)
+  GRAPHSOLVE_PACK_BINARY(operator+, Add)
+  GRAPHSOLVE_PACK_BINARY(operator-, Sub)
+  GRAPHSOLVE_PACK_BINARY(operator*, Mul)
+  GRAPHSOLVE_PACK_BINARY(operator/, Div)
 #undef GRAPHSOLVE_PACK_BINARY
 
-#define GRAPHSOLVE_PACK_UNARY(name, operation)                         \
-  HWY_INLINE Pack name(const Pack& a) {                                \
-    Pack r;                                                            \
-    for (int i = 0; i < parts; ++i) r.part[i] = hn::operation(a.part[i]); \
-    return r;                                                          \
+  friend HWY_INLINE PackOf operator-(const PackOf& a) {
+    PackOf r;
+    for (int i = 0; i < parts; ++i) r.part[i] = hn::Neg(a.part[i]);
+    return r;
   }
-GRAPHSOLVE_PACK_UNARY(operator-, Neg)
-GRAPHSOLVE_PACK_UNARY(abs, Abs)
-GRAPHSOLVE_PACK_UNARY(sqrt, Sqrt)
-#undef GRAPHSOLVE_PACK_UNARY
+  friend HWY_INLINE PackOf& operator+=(PackOf& a, const PackOf& b) { return a = a + b; }
+  friend HWY_INLINE PackOf& operator-=(PackOf& a, const PackOf& b) { return a = a - b; }
+  friend HWY_INLINE PackOf& operator*=(PackOf& a, const PackOf& b) { return a = a * b; }
+};
 
-HWY_INLINE Pack& operator+=(Pack& a, const Pack& b) { return a = a + b; }
-HWY_INLINE Pack& operator-=(Pack& a, const Pack& b) { return a = a - b; }
-HWY_INLINE Pack& operator*=(Pack& a, const Pack& b) { return a = a * b; }
+#define GRAPHSOLVE_PACK_FUNCTION(name, operation)                                                             \
+  template <int L>                                                                                            \
+  HWY_INLINE PackOf<L> name(const PackOf<L>& a) {                                                             \
+    PackOf<L> r;                                                                                              \
+    for (int i = 0; i < PackOf<L>::parts; ++i) r.part[i] = hn::operation(a.part[i]);                          \
+    return r;                                                                                                 \
+  }
+GRAPHSOLVE_PACK_FUNCTION(abs, Abs)
+GRAPHSOLVE_PACK_FUNCTION(sqrt, Sqrt)
+#undef GRAPHSOLVE_PACK_FUNCTION
+
+#define GRAPHSOLVE_PACK_FUNCTION(name, operation)                                                             \
+  template <int L>                                                                                            \
+  HWY_INLINE PackOf<L> name(const PackOf<L>& a, const PackOf<L>& b) {                                         \
+    PackOf<L> r;                                                                                              \
+    for (int i = 0; i < PackOf<L>::parts; ++i) r.part[i] = hn::operation(a.part[i], b.part[i]);               \
+    return r;                                                                                                 \
+  }
+GRAPHSOLVE_PACK_FUNCTION(min, Min)  ///< of a NaN: either
+GRAPHSOLVE_PACK_FUNCTION(max, Max)
+#undef GRAPHSOLVE_PACK_FUNCTION
 
 /// a b + c and c - a b with one rounding where the machine has it.
-HWY_INLINE Pack multiply_add(const Pack& a, const Pack& b, const Pack& c) {
-  Pack r;
-  for (int i = 0; i < parts; ++i) r.part[i] = hn::MulAdd(a.part[i], b.part[i], c.part[i]);
+template <int L>
+HWY_INLINE PackOf<L> multiply_add(const PackOf<L>& a, const PackOf<L>& b, const PackOf<L>& c) {
+  PackOf<L> r;
+  for (int i = 0; i < PackOf<L>::parts; ++i) r.part[i] = hn::MulAdd(a.part[i], b.part[i], c.part[i]);
   return r;
 }
-HWY_INLINE Pack negative_multiply_add(const Pack& a, const Pack& b, const Pack& c) {
-  Pack r;
-  for (int i = 0; i < parts; ++i) r.part[i] = hn::NegMulAdd(a.part[i], b.part[i], c.part[i]);
+template <int L>
+HWY_INLINE PackOf<L> negative_multiply_add(const PackOf<L>& a, const PackOf<L>& b, const PackOf<L>& c) {
+  PackOf<L> r;
+  for (int i = 0; i < PackOf<L>::parts; ++i) r.part[i] = hn::NegMulAdd(a.part[i], b.part[i], c.part[i]);
   return r;
 }
 
-#define GRAPHSOLVE_PACK_COMPARE(name, operation)                                  \
-  HWY_INLINE Mask name(const Pack& a, const Pack& b) {                            \
-    Mask r;                                                                       \
-    for (int i = 0; i < parts; ++i) r.part[i] = hn::operation(a.part[i], b.part[i]); \
-    return r;                                                                     \
+/// One truth value per lane.
+template <int L>
+struct MaskOf {
+  using Value = decltype(hn::Lt(typename PackOf<L>::Vector(), typename PackOf<L>::Vector()));
+  static constexpr int parts = PackOf<L>::parts;
+  Value part[parts];
+
+  friend HWY_INLINE MaskOf operator&(const MaskOf& a, const MaskOf& b) {
+    MaskOf r;
+    for (int i = 0; i < parts; ++i) r.part[i] = hn::And(a.part[i], b.part[i]);
+    return r;
+  }
+  friend HWY_INLINE MaskOf operator|(const MaskOf& a, const MaskOf& b) {
+    MaskOf r;
+    for (int i = 0; i < parts; ++i) r.part[i] = hn::Or(a.part[i], b.part[i]);
+    return r;
+  }
+  friend HWY_INLINE MaskOf operator!(const MaskOf& a) {
+    MaskOf r;
+    for (int i = 0; i < parts; ++i) r.part[i] = hn::Not(a.part[i]);
+    return r;
+  }
+};
+
+#define GRAPHSOLVE_PACK_COMPARE(name, operation)                                                 \
+  template <int L>                                                                               \
+  HWY_INLINE MaskOf<L> name(const PackOf<L>& a, const PackOf<L>& b) {                            \
+    MaskOf<L> r;                                                                                 \
+    for (int i = 0; i < PackOf<L>::parts; ++i) r.part[i] = hn::operation(a.part[i], b.part[i]);  \
+    return r;                                                                                    \
   }
 GRAPHSOLVE_PACK_COMPARE(operator<, Lt)
 GRAPHSOLVE_PACK_COMPARE(operator<=, Le)
@@ -101,75 +126,82 @@ GRAPHSOLVE_PACK_COMPARE(operator>, Gt)
 GRAPHSOLVE_PACK_COMPARE(operator>=, Ge)
 #undef GRAPHSOLVE_PACK_COMPARE
 
-HWY_INLINE Mask operator&(const Mask& a, const Mask& b) {
-  Mask r;
-  for (int i = 0; i < parts; ++i) r.part[i] = hn::And(a.part[i], b.part[i]);
-  return r;
-}
-HWY_INLINE Mask operator|(const Mask& a, const Mask& b) {
-  Mask r;
-  for (int i = 0; i < parts; ++i) r.part[i] = hn::Or(a.part[i], b.part[i]);
-  return r;
-}
-HWY_INLINE Mask operator!(const Mask& a) {
-  Mask r;
-  for (int i = 0; i < parts; ++i) r.part[i] = hn::Not(a.part[i]);
-  return r;
-}
-
 /// yes where the mask is true, no elsewhere.
-HWY_INLINE Pack select(const Mask& mask, const Pack& yes, const Pack& no) {
-  Pack r;
-  for (int i = 0; i < parts; ++i) r.part[i] = hn::IfThenElse(mask.part[i], yes.part[i], no.part[i]);
+template <int L>
+HWY_INLINE PackOf<L> select(const MaskOf<L>& mask, const PackOf<L>& yes, const PackOf<L>& no) {
+  PackOf<L> r;
+  for (int i = 0; i < PackOf<L>::parts; ++i) r.part[i] = hn::IfThenElse(mask.part[i], yes.part[i], no.part[i]);
   return r;
 }
 
 /// Bit l: lane l.
-HWY_INLINE unsigned bits(const Mask& mask) {
+template <int L>
+HWY_INLINE unsigned bits(const MaskOf<L>& mask) {
+  constexpr int width = PackOf<L>::width;
   unsigned r = 0;
-  for (int i = 0; i < parts; ++i) {
+  for (int i = 0; i < PackOf<L>::parts; ++i) {
     std::uint8_t byte[8] = {};
-    hn::StoreMaskBits(VectorTag(), mask.part[i], byte);
+    hn::StoreMaskBits(typename PackOf<L>::Tag(), mask.part[i], byte);
     r |= (byte[0] & ((1u << width) - 1)) << (i * width);
   }
   return r;
 }
 
-#if HWY_TARGET == HWY_SCALAR
-
-HWY_INLINE void transpose(const Vector* in, Vector* out) { out[0] = in[0]; }
-HWY_INLINE Vector load_first(const double* from, int) { return hn::LoadU(VectorTag(), from); }
-HWY_INLINE void store_first(Vector a, double* to, int) { hn::StoreU(a, VectorTag(), to); }
-HWY_INLINE void add_first(Vector factor, Vector a, double* to, int) {
-  hn::StoreU(hn::MulAdd(factor, a, hn::LoadU(VectorTag(), to)), VectorTag(), to);
+/// L consecutive doubles, aligned to a register or not.
+template <int L>
+HWY_INLINE PackOf<L> load(const double* from) {
+  using P = PackOf<L>;
+  P r;
+  for (int i = 0; i < P::parts; ++i) r.part[i] = hn::LoadU(typename P::Tag(), from + i * P::width);
+  return r;
+}
+template <int L>
+HWY_INLINE void store(const PackOf<L>& a, double* to) {
+  using P = PackOf<L>;
+  for (int i = 0; i < P::parts; ++i) hn::StoreU(a.part[i], typename P::Tag(), to + i * P::width);
 }
 
-#else
+/// True where the bit is set.
+template <int L>
+HWY_INLINE MaskOf<L> lanes_of(unsigned set) {
+  double one[L];
+  for (int l = 0; l < L; ++l) one[l] = set >> l & 1u;
+  return load<L>(one) > PackOf<L>(0.5);
+}
 
-/// Rows become columns: in[r] lane c -> out[c] lane r.
-template <int W = width>
-HWY_INLINE void transpose(const Vector* in, Vector* out) {
-  if constexpr (W == 2) {
-    out[0] = hn::InterleaveLower(VectorTag(), in[0], in[1]);
-    out[1] = hn::InterleaveUpper(VectorTag(), in[0], in[1]);
+using Pack = PackOf<lanes>;  ///< 64 bytes in memory, on every machine
+using Mask = MaskOf<lanes>;
+
+/// Rows become columns: in[r] lane c -> out[c] lane r, as many as V has lanes.
+template <class V>
+HWY_INLINE void transpose(const V* in, V* out) {
+  constexpr hn::DFromV<V> tag;
+  constexpr int W = static_cast<int>(hn::MaxLanes(tag));
+  if constexpr (W == 1) {
+    out[0] = in[0];
+  }
+#if HWY_TARGET != HWY_SCALAR
+  else if constexpr (W == 2) {
+    out[0] = hn::InterleaveLower(tag, in[0], in[1]);
+    out[1] = hn::InterleaveUpper(tag, in[0], in[1]);
   } else {
-    Vector pairs[W];  // even places: lower halves of rows 2k and 2k + 1, odd places: upper halves
+    V pairs[W];  // even places: lower halves of rows 2k and 2k + 1, odd places: upper halves
     for (int r = 0; r < W; r += 2) {
-      pairs[r] = hn::InterleaveLower(VectorTag(), in[r], in[r + 1]);
-      pairs[r + 1] = hn::InterleaveUpper(VectorTag(), in[r], in[r + 1]);
+      pairs[r] = hn::InterleaveLower(tag, in[r], in[r + 1]);
+      pairs[r + 1] = hn::InterleaveUpper(tag, in[r], in[r + 1]);
     }
     if constexpr (W == 4) {
       for (int k = 0; k < 2; ++k) {
-        out[k] = hn::ConcatLowerLower(VectorTag(), pairs[2 + k], pairs[k]);
-        out[2 + k] = hn::ConcatUpperUpper(VectorTag(), pairs[2 + k], pairs[k]);
+        out[k] = hn::ConcatLowerLower(tag, pairs[2 + k], pairs[k]);
+        out[2 + k] = hn::ConcatUpperUpper(tag, pairs[2 + k], pairs[k]);
       }
     } else {
       static_assert(W == 8);
       for (int k = 0; k < 2; ++k) {
-        const Vector a = hn::ConcatLowerLower(VectorTag(), pairs[4 + k], pairs[k]);
-        const Vector b = hn::ConcatLowerLower(VectorTag(), pairs[6 + k], pairs[2 + k]);
-        const Vector c = hn::ConcatUpperUpper(VectorTag(), pairs[4 + k], pairs[k]);
-        const Vector d = hn::ConcatUpperUpper(VectorTag(), pairs[6 + k], pairs[2 + k]);
+        const V a = hn::ConcatLowerLower(tag, pairs[4 + k], pairs[k]);
+        const V b = hn::ConcatLowerLower(tag, pairs[6 + k], pairs[2 + k]);
+        const V c = hn::ConcatUpperUpper(tag, pairs[4 + k], pairs[k]);
+        const V d = hn::ConcatUpperUpper(tag, pairs[6 + k], pairs[2 + k]);
         out[k] = hn::OddEvenBlocks(hn::SwapAdjacentBlocks(b), a);
         out[2 + k] = hn::OddEvenBlocks(b, hn::SwapAdjacentBlocks(a));
         out[4 + k] = hn::OddEvenBlocks(hn::SwapAdjacentBlocks(d), c);
@@ -177,138 +209,202 @@ HWY_INLINE void transpose(const Vector* in, Vector* out) {
       }
     }
   }
-}
-
-/// The first `count` (1 .. width) doubles; the rest is zero and not read.
-template <int W = width>
-HWY_INLINE Vector load_first(const double* from, int count) {
-  if (count == W) return hn::LoadU(VectorTag(), from);
-  if constexpr (W == 2) return hn::InsertLane(hn::Zero(VectorTag()), 0, from[0]);
-  else return hn::MaskedLoad(hn::FirstN(VectorTag(), count), VectorTag(), from);
-}
-
-/// Writes only the first `count` (1 .. width) doubles, in halves: masked stores are slow on some machines.
-template <class V>
-HWY_INLINE void store_first(V a, double* to, int count) {
-  constexpr hn::DFromV<V> tag;
-  constexpr int lanes_here = static_cast<int>(hn::MaxLanes(tag));
-  if (count == lanes_here) {
-    hn::StoreU(a, tag, to);
-  } else if constexpr (lanes_here > 1) {
-    constexpr hn::Half<decltype(tag)> half;
-    constexpr int h = lanes_here / 2;
-    if (count > h) {
-      hn::StoreU(hn::LowerHalf(half, a), half, to);
-      store_first(hn::UpperHalf(half, a), to + h, count - h);
-    } else {
-      store_first(hn::LowerHalf(half, a), to, count);
-    }
-  }
-}
-
-/// to += factor a, for the first `count` (1 .. width) doubles.
-template <class V>
-HWY_INLINE void add_first(V factor, V a, double* to, int count) {
-  constexpr hn::DFromV<V> tag;
-  constexpr int lanes_here = static_cast<int>(hn::MaxLanes(tag));
-  if (count == lanes_here) {
-    hn::StoreU(hn::MulAdd(factor, a, hn::LoadU(tag, to)), tag, to);
-  } else if constexpr (lanes_here > 1) {
-    constexpr hn::Half<decltype(tag)> half;
-    constexpr int h = lanes_here / 2;
-    const auto low = hn::LowerHalf(half, factor);
-    if (count > h) {
-      hn::StoreU(hn::MulAdd(low, hn::LowerHalf(half, a), hn::LoadU(half, to)), half, to);
-      add_first(low, hn::UpperHalf(half, a), to + h, count - h);
-    } else {
-      add_first(low, hn::LowerHalf(half, a), to, count);
-    }
-  }
-}
-
 #endif
+}
 
-/// `width` consecutive doubles of eight places.
-HWY_INLINE void load_transposed_block(const double* const* from, int begin, Pack* to) {
+/// The first `count` (1 .. all) doubles; the rest is zero and not read.
+template <class Tag>
+HWY_INLINE hn::VFromD<Tag> load_first(Tag tag, const double* from, int count) {
+  constexpr int W = static_cast<int>(hn::MaxLanes(tag));
+  if (count == W) return hn::LoadU(tag, from);
+#if HWY_TARGET != HWY_SCALAR
+  if constexpr (W == 2) return hn::InsertLane(hn::Zero(tag), 0, from[0]);
+  else if constexpr (W > 2) return hn::MaskedLoad(hn::FirstN(tag, count), tag, from);
+#endif
+  return hn::Zero(tag);
+}
+
+/// Does f(register, its place) with the first `count` (1 .. all) doubles of a, in halves: masked stores are slow on some
+/// machines.
+template <class V, class F>
+HWY_INLINE void each_half(V a, double* to, int count, F&& f) {
+  constexpr hn::DFromV<V> tag;
+  constexpr int W = static_cast<int>(hn::MaxLanes(tag));
+  if (count == W) {
+    f(a, to);
+  }
+#if HWY_TARGET != HWY_SCALAR
+  else if constexpr (W > 1) {
+    constexpr hn::Half<decltype(tag)> half;
+    constexpr int h = W / 2;
+    if (count > h) {
+      f(hn::LowerHalf(half, a), to);
+      each_half(hn::UpperHalf(half, a), to + h, count - h, f);
+    } else {
+      each_half(hn::LowerHalf(half, a), to, count, f);
+    }
+  }
+#endif
+}
+
+struct Store {
+  template <class V>
+  HWY_INLINE void operator()(V a, double* to) const {
+    hn::StoreU(a, hn::DFromV<V>(), to);
+  }
+};
+struct AddTimes {
+  double factor;
+  template <class V>
+  HWY_INLINE void operator()(V a, double* to) const {
+    constexpr hn::DFromV<V> tag;
+    hn::StoreU(hn::MulAdd(hn::Set(tag, factor), a, hn::LoadU(tag, to)), tag, to);
+  }
+};
+
+/// `width` consecutive doubles of L places.
+template <int L>
+HWY_INLINE void load_transposed_block(const double* const* from, int begin, PackOf<L>* to) {
+  using P = PackOf<L>;
 #pragma GCC unroll 8
-  for (int q = 0; q < parts; ++q) {
-    Vector rows[width], columns[width];
+  for (int q = 0; q < P::parts; ++q) {
+    typename P::Vector rows[P::width], columns[P::width];
 #pragma GCC unroll 8
-    for (int r = 0; r < width; ++r) rows[r] = hn::LoadU(VectorTag(), from[q * width + r] + begin);
+    for (int r = 0; r < P::width; ++r) rows[r] = hn::LoadU(typename P::Tag(), from[q * P::width + r] + begin);
     transpose(rows, columns);
 #pragma GCC unroll 8
-    for (int c = 0; c < width; ++c) to[begin + c].part[q] = columns[c];
+    for (int c = 0; c < P::width; ++c) to[begin + c].part[q] = columns[c];
   }
 }
 
-/// `count` consecutive doubles of eight places become `count` packs: to[i] lane l = from[l][i]. Where only lane 0 is
+/// `count` consecutive doubles of L places become `count` packs: to[i] lane l = from[l][i]. Where only lane 0 is
 /// used, the others get its numbers.
-HWY_INLINE void load_transposed(const double* const* from, int count, Pack* to, unsigned used) {
+template <int L>
+HWY_INLINE void load_transposed(const double* const* from, int count, PackOf<L>* to, unsigned used) {
+  using P = PackOf<L>;
   if (used == 1u) {
-    for (int i = 0; i < count; ++i) to[i] = Pack(from[0][i]);
+    for (int i = 0; i < count; ++i) to[i] = P(from[0][i]);
     return;
   }
   int begin = 0;
-  for (; begin + width <= count; begin += width) load_transposed_block(from, begin, to);
+  for (; begin + P::width <= count; begin += P::width) load_transposed_block(from, begin, to);
   if (begin == count) return;
-  if (count >= width) {  // some once more
-    load_transposed_block(from, count - width, to);
+  if (count >= P::width) {  // some once more
+    load_transposed_block(from, count - P::width, to);
     return;
   }
-  for (int q = 0; q < parts; ++q) {
-    Vector rows[width], columns[width];
+  for (int q = 0; q < P::parts; ++q) {
+    typename P::Vector rows[P::width], columns[P::width];
 #pragma GCC unroll 8
-    for (int r = 0; r < width; ++r) rows[r] = load_first(from[q * width + r], count);
+    for (int r = 0; r < P::width; ++r) rows[r] = load_first(typename P::Tag(), from[q * P::width + r], count);
     transpose(rows, columns);
 #pragma GCC unroll 8
-    for (int c = 0; c < width; ++c)
+    for (int c = 0; c < P::width; ++c)
       if (c < count) to[c].part[q] = columns[c];
   }
 }
 
-/// from[begin .. begin + some - 1], packs of one register each, as `width` rows; beyond `some` anything.
-HWY_INLINE void rows_of_block(const Pack* from, int begin, int some, int q, Vector* rows) {
-  Vector columns[width];
+/// f(to[l] + i, register of from[i ..] lane l) for the lanes whose bit is set in `active`, lane after lane.
+template <int L, class F>
+HWY_INLINE void each_row(const PackOf<L>* from, int count, double* const* to, unsigned active, F&& f) {
+  using P = PackOf<L>;
+  for (int begin = 0; begin < count; begin += P::width) {
+    const int some = count - begin < P::width ? count - begin : P::width;
+    for (int q = 0; q < P::parts; ++q) {
+      typename P::Vector rows[P::width], columns[P::width];
 #pragma GCC unroll 8
-  for (int c = 0; c < width; ++c) columns[c] = from[begin + (c < some ? c : 0)].part[q];
-  transpose(columns, rows);
+      for (int c = 0; c < P::width; ++c) columns[c] = from[begin + (c < some ? c : 0)].part[q];
+      transpose(columns, rows);
+#pragma GCC unroll 8
+      for (int r = 0; r < P::width; ++r)
+        if (active >> (q * P::width + r) & 1u) each_half(rows[r], to[q * P::width + r] + begin, some, f);
+    }
+  }
 }
 
-/// The reverse: to[l][i] = from[i] lane l, for the lanes whose bit is set in `active`.
-HWY_INLINE void store_transposed(const Pack* from, int count, double* const* to, unsigned active) {
+/// The reverse of load_transposed: to[l][i] = from[i] lane l, for the lanes whose bit is set in `active`.
+template <int L>
+HWY_INLINE void store_transposed(const PackOf<L>* from, int count, double* const* to, unsigned active) {
   if (active == 1u) {
     for (int i = 0; i < count; ++i) to[0][i] = hn::GetLane(from[i].part[0]);
     return;
   }
-  for (int begin = 0; begin < count; begin += width) {
-    const int some = count - begin < width ? count - begin : width;
-    for (int q = 0; q < parts; ++q) {
-      Vector rows[width];
-      rows_of_block(from, begin, some, q, rows);
-#pragma GCC unroll 8
-      for (int r = 0; r < width; ++r)
-        if (active >> (q * width + r) & 1u) store_first(rows[r], to[q * width + r] + begin, some);
-    }
-  }
+  each_row(from, count, to, active, Store());
 }
 
 /// to[l][i] += sign from[i] lane l, lane after lane: two lanes may have the same place.
-HWY_INLINE void add_transposed(const Pack* from, int count, double* const* to, unsigned active, double sign) {
+template <int L>
+HWY_INLINE void add_transposed(const PackOf<L>* from, int count, double* const* to, unsigned active, double sign) {
   if (active == 1u) {
     for (int i = 0; i < count; ++i) to[0][i] += sign * hn::GetLane(from[i].part[0]);
     return;
   }
-  const Vector factor = hn::Set(VectorTag(), sign);
-  for (int begin = 0; begin < count; begin += width) {
-    const int some = count - begin < width ? count - begin : width;
-    for (int q = 0; q < parts; ++q) {
-      Vector rows[width];
-      rows_of_block(from, begin, some, q, rows);
-#pragma GCC unroll 8
-      for (int r = 0; r < width; ++r)
-        if (active >> (q * width + r) & 1u) add_first(factor, rows[r], to[q * width + r] + begin, some);
+  each_row(from, count, to, active, AddTimes{sign});
+}
+
+/// Lanes h W .. h W + W - 1 of a pack of eight.
+template <int W>
+HWY_INLINE PackOf<W> part_of(const Pack& a, int h) {
+  using P = PackOf<W>;
+  if constexpr (W == lanes) {
+    return a;
+  } else if constexpr (Pack::width <= W) {
+    P r;
+    for (int i = 0; i < P::parts; ++i) r.part[i] = a.part[h * P::parts + i];
+    return r;
+  } else {
+    HWY_ALIGN double all[lanes];
+    store(a, all);
+    return load<W>(all + h * W);
+  }
+}
+
+/// add_blocks where W lanes at a time lie side by side.
+template <int W, class Entry>
+HWY_INLINE void add_runs(const Pack* from, int count, Entry&& entry, double* values, const LaneBlocks& to, unsigned active,
+                         double sign) {
+  using P = PackOf<W>;
+  constexpr unsigned all = (1u << W) - 1;
+  for (int h = 0; h < lanes / W; ++h) {
+    const unsigned some = active >> (h * W) & all;
+    int stride = 0;
+    const std::int64_t place = to.run(h * W, stride);
+    if (some == 0 || place < 0) continue;
+    double* begin = values + place;
+    const MaskOf<W> mask = lanes_of<W>(some);
+    for (int i = 0; i < count; ++i) {
+      double* at = begin + entry(i) * stride;
+      const P before = load<W>(at), after = multiply_add(P(sign), part_of<W>(from[i], h), before);
+      store(some == all ? after : select(mask, after, before), at);
     }
   }
+}
+
+/// Entry entry(i) of each lane's block += sign from[i], lane after lane: two lanes may have the same block.
+template <class Entry>
+HWY_INLINE void add_entries(const Pack* from, int count, Entry&& entry, double* values, const LaneBlocks& to,
+                            unsigned active, double sign) {
+  active &= to.present();
+  if (to.together() == 8) return add_runs<8>(from, count, entry, values, to, active, sign);
+  if (to.together() == 4) return add_runs<4>(from, count, entry, values, to, active, sign);
+  if (to.together() == 2) return add_runs<2>(from, count, entry, values, to, active, sign);
+  for (int l = 0; l < lanes; ++l) {
+    if (!(active >> l & 1u)) continue;
+    double* at = values + to.place(l);
+    const int stride = to.stride(l);
+    const double* lane = reinterpret_cast<const double*>(from) + l;  // packs of eight are eight doubles
+    for (int i = 0; i < count; ++i) at[entry(i) * stride] += sign * lane[i * lanes];
+  }
+}
+
+/// All `count` entries of the lanes' blocks, column after column.
+HWY_INLINE void add_blocks(const Pack* from, int count, double* values, const LaneBlocks& to, unsigned active, double sign) {
+  if (to.dense() && to.together() == 1) {
+    double* at[lanes];
+    for (int l = 0; l < lanes; ++l) at[l] = values + to.place(l);
+    return add_transposed(from, count, at, active & to.present(), sign);
+  }
+  add_entries(from, count, [](int i) HWY_ATTR { return i; }, values, to, active, sign);
 }
 
 }  // namespace graphsolve::simd::HWY_NAMESPACE

@@ -1,0 +1,63 @@
+#pragma once
+
+#include "graphsolve/factorization.hpp"
+#include "simd/program.hpp"
+
+/// What of a factorization takes part in a call.
+namespace graphsolve {
+
+template <class F>
+void Factorization::each_active_pivot(F&& f) const {
+  for (const int c : active_)
+    for (int k = symbolic_->component_begin(c); k < symbolic_->component_begin(c + 1); ++k) f(k);
+}
+
+/// whole(begin, end) for ranges of the values of which everything takes part, of_pivot(k) elsewhere.
+template <class Whole, class OfPivot>
+void Factorization::each_extent(Whole&& whole, OfPivot&& of_pivot) const {
+  const Symbolic& s = *symbolic_;
+  const auto groups = s.program().groups();
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    if (lanes_[g] == 0) continue;
+    if (lanes_[g] == (1u << groups[g].copies) - 1) {
+      whole(groups[g].begin, groups[g].end);
+      continue;
+    }
+    for (int c = 0; c < groups[g].copies; ++c) {
+      if (!(lanes_[g] >> c & 1u)) continue;
+      const int component = groups[g].component[c];
+      for (int k = s.component_begin(component); k < s.component_begin(component + 1); ++k) of_pivot(k);
+    }
+  }
+}
+
+template <class F>
+void Factorization::each_row(int component, F&& f) const {
+  for (int k = symbolic_->component_begin(component); k < symbolic_->component_begin(component + 1); ++k) {
+    const Symbolic::Pivot& p = symbolic_->pivot(k);
+    for (int i = p.row; i < p.row + p.dimension; ++i) f(i);
+  }
+}
+
+/// together(pack, lanes) and alone(pivot) for what takes part, in the order of the elimination or backward.
+template <class Together, class Alone>
+void Factorization::walk(bool backward, Together&& together, Alone&& alone) const {
+  const simd::Program& program = symbolic_->program();
+  const auto groups = program.groups();
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const bool copies = groups[g].copies > 1;
+    const auto steps = program.steps(groups[g]);
+    // A lane that fails is taken out.
+    for (std::size_t i = 0; i < steps.size() && lanes_[g] != 0; ++i) {
+      const auto& step = steps[backward ? steps.size() - 1 - i : i];
+      if (step.pack >= 0) {
+        const unsigned used = program.pack(step.pack).used;
+        together(step.pack, copies ? used & lanes_[g] : used);
+      } else if (!copies || takes_part(step.pivot)) {
+        alone(step.pivot);
+      }
+    }
+  }
+}
+
+}  // namespace graphsolve

@@ -1,0 +1,136 @@
+#include "simd/bundles.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <tuple>
+
+namespace graphsolve::simd {
+
+namespace {
+
+/// Level by level from the roots, because the lanes of a level follow those of the one above.
+class Bundler {
+ public:
+  Bundler(const Symbolic& symbolic, int begin, int end, std::span<const int> shape)
+      : s_(symbolic), begin_(begin), shape_(shape), level_(end - begin, 0), place_(end - begin) {
+    const int n = end - begin;
+    int levels = 0;
+    for (int k = 0; k < n; ++k) {
+      levels = std::max(levels, level_[k] + 1);
+      if (const int p = parent(k); p >= 0) level_[p] = std::max(level_[p], level_[k] + 1);
+    }
+    by_level_.resize(levels);
+    for (int k = 0; k < n; ++k) by_level_[level_[k]].push_back(k);
+  }
+
+  std::vector<Bundle> run() {
+    std::vector<std::vector<Bundle>> of_level(by_level_.size());
+    for (std::size_t i = by_level_.size(); i-- > 0;) {
+      fill_level(by_level_[i]);
+      of_level[i].swap(level_bundles_);
+    }
+    std::vector<Bundle> result;
+    result.reserve(placed_);
+    for (const auto& some : of_level) result.insert(result.end(), some.begin(), some.end());
+    return result;
+  }
+
+ private:
+  struct Place {
+    int bundle = -1, lane = 0, lanes = 1;
+  };
+  struct Item {
+    int shape, bundle, ordinal, lane, pivot;  ///< bundle, lane: of the parent; ordinal: among siblings of one shape
+    [[nodiscard]] bool beside(const Item& other) const {
+      return shape == other.shape && bundle == other.bundle && ordinal == other.ordinal;
+    }
+  };
+
+  [[nodiscard]] int parent(int k) const {
+    const int p = s_.parent(begin_ + k);
+    return p < 0 ? -1 : p - begin_;
+  }
+
+  void fill_level(std::vector<int>& pivots) {
+    const auto of = [&](int k) { return std::tuple(shape_[begin_ + k], parent(k), k); };
+    std::sort(pivots.begin(), pivots.end(), [&](int a, int b) { return of(a) < of(b); });
+    items_.clear();
+    for (std::size_t i = 0; i < pivots.size(); ++i) {
+      const int k = pivots[i], p = parent(k);
+      const Place above = p < 0 ? Place{} : place_[p];
+      const bool sibling = i > 0 && p >= 0 && parent(pivots[i - 1]) == p && items_.back().shape == shape_[begin_ + k];
+      items_.push_back({shape_[begin_ + k], above.bundle, sibling ? items_.back().ordinal + 1 : 0, above.lane, k});
+    }
+    const auto key = [](const Item& i) { return std::tie(i.shape, i.bundle, i.ordinal, i.lane, i.pivot); };
+    std::sort(items_.begin(), items_.end(), [&](const Item& a, const Item& b) { return key(a) < key(b); });
+    for (std::size_t i = 0, end; i < items_.size(); i = end) {
+      for (end = i + 1; end < items_.size() && items_[end].shape == items_[i].shape;) ++end;
+      fill_shape(std::span(items_).subspan(i, end - i));
+    }
+  }
+
+  /// Pivots of one level and one shape.
+  void fill_shape(std::span<const Item> items) {
+    const int most = lanes_for(static_cast<int>(items.size()));
+    rest_.clear();
+    for (std::size_t i = 0, end; i < items.size(); i = end) {
+      for (end = i + 1; end < items.size() && items[end].beside(items[i]);) ++end;
+      take_class(items.subspan(i, end - i), most);
+    }
+    take_rest();
+  }
+
+  /// Children of one bundle, at most one per lane: side by side below their parents, if that leaves few of the `most`
+  /// lanes empty that a bundle at this level can have.
+  void take_class(std::span<const Item> items, int most) {
+    const Place above = items[0].bundle < 0 ? Place{} : place_[parent(items[0].pivot)];
+    if (items[0].bundle < 0 || most < 4 || above.lanes != most || static_cast<int>(items.size()) < most - 1) {
+      rest_.insert(rest_.end(), items.begin(), items.end());
+      return;
+    }
+    Bundle bundle{.lanes = above.lanes, .used = 0, .pivot = {}};
+    for (const Item& i : items) put(bundle, i.lane, i.pivot);
+    add(bundle);
+  }
+
+  void take_rest() {
+    for (std::size_t i = 0; i < rest_.size(); i += lanes) {
+      const auto some = std::span(rest_).subspan(i, std::min<std::size_t>(lanes, rest_.size() - i));
+      Bundle bundle{.lanes = lanes_for(static_cast<int>(some.size())), .used = 0, .pivot = {}};
+      for (std::size_t l = 0; l < some.size(); ++l) put(bundle, static_cast<int>(l), some[l].pivot);
+      add(bundle);
+    }
+    rest_.clear();
+  }
+
+  void put(Bundle& bundle, int lane, int pivot) {
+    bundle.pivot[lane] = pivot;
+    bundle.used |= 1u << lane;
+    place_[pivot] = {placed_, lane, bundle.lanes};
+  }
+  void add(Bundle& bundle) {
+    const int first = bundle.pivot[std::countr_zero(bundle.used)];
+    for (int l = 0; l < lanes; ++l)
+      if (!(bundle.used >> l & 1u)) bundle.pivot[l] = first;
+    level_bundles_.push_back(bundle);
+    ++placed_;
+  }
+
+  const Symbolic& s_;
+  int begin_;
+  std::span<const int> shape_;
+  std::vector<int> level_;  ///< steps from the leaves
+  std::vector<Place> place_;
+  std::vector<std::vector<int>> by_level_;
+  std::vector<Item> items_, rest_;
+  std::vector<Bundle> level_bundles_;
+  int placed_ = 0;
+};
+
+}  // namespace
+
+std::vector<Bundle> bundles(const Symbolic& symbolic, int begin, int end, std::span<const int> shape) {
+  return Bundler(symbolic, begin, end, shape).run();
+}
+
+}  // namespace graphsolve::simd
