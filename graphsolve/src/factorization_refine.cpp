@@ -6,6 +6,7 @@
 
 #include "factorization_active.hpp"
 #include "graphsolve/largest.hpp"
+#include "simd/pivot_kernels.hpp"
 #include "twice_precision.hpp"
 
 /// Iterative refinement against the kept matrix.
@@ -18,14 +19,42 @@ constexpr int patience = 3;  ///< sweeps in a row that may bring nothing: the wo
 
 }  // namespace
 
-/// residual_ = b - A x and error_, the componentwise backward error of x, of one component.
-void Factorization::residual(std::span<const double> b, std::span<const double> x, int component, Precision precision) {
-  const Symbolic& s = *symbolic_;
+void Factorization::start_residual(std::span<const double> b, int component) {
   each_row(component, [&](int i) {
     residual_[i] = b[i];
     residual_low_[i] = 0;
     magnitude_[i] = std::abs(b[i]);
   });
+}
+
+/// take(block, its first row, rows, first column, columns) for the blocks of the kept matrix that belong to pivot k.
+template <class F>
+void Factorization::each_kept_block(int k, F&& take) const {
+  const Symbolic& s = *symbolic_;
+  const Symbolic::Pivot& p = s.pivot(k);
+  take(matrix_.data() + p.diagonal, p.stride, p.row, p.dimension, p.row, p.dimension);
+  for (int e = p.begin; e < p.end; ++e) {
+    if (s.fill_[e]) continue;  // zero in the matrix
+    const Symbolic::Pivot& q = s.pivot(s.coupled_[e]);
+    const std::int64_t offset = s.block_offset_[e] * p.stride;
+    take(matrix_.data() + p.lower + offset, p.stride, q.row, q.dimension, p.row, p.dimension);
+    take(matrix_.data() + p.upper + offset, p.stride, p.row, p.dimension, q.row, q.dimension);
+  }
+}
+
+/// error_: the componentwise backward error.
+void Factorization::finish_residual(int component) {
+  error_[component] = 0;
+  each_row(component, [&](int i) {
+    residual_[i] += residual_low_[i];
+    if (magnitude_[i] != 0) keep_largest(error_[component], std::abs(residual_[i]) / magnitude_[i]);
+  });
+}
+
+/// residual_ = b - A x of the active components.
+void Factorization::residual(std::span<const double> b, std::span<const double> x) {
+  const simd::Program& program = symbolic_->program();
+  for (const int c : active_) start_residual(b, c);
   const auto subtract = [&](const double* block, int stride, int row, int rows, int column, int columns) {
     for (int j = 0; j < columns; ++j)
       for (int i = row; i < row + rows; ++i, block += stride) {
@@ -34,33 +63,31 @@ void Factorization::residual(std::span<const double> b, std::span<const double> 
         magnitude_[i] += std::abs(product);
       }
   };
-  const auto subtract_twice = [&](const double* block, int stride, int row, int rows, int column, int columns) {
+  walk(
+      false,
+      [&](int number, unsigned lanes) {
+        const simd::PivotPack& pack = program.pack(number);
+        simd::subtract_product({.shape = program.shape(pack), .pack = pack, .rows = program.rows(pack),
+                                .matrix = matrix_.data() + pack.place, .x = x.data(), .residual = residual_.data(),
+                                .magnitude = magnitude_.data(), .active = lanes});
+      },
+      [&](int k) { each_kept_block(k, subtract); });
+  for (const int c : active_) finish_residual(c);
+}
+
+/// The same of one component, in twice the precision.
+void Factorization::residual_twice(std::span<const double> b, std::span<const double> x, int component) {
+  start_residual(b, component);
+  const auto subtract = [&](const double* block, int stride, int row, int rows, int column, int columns) {
     for (int j = 0; j < columns; ++j)
       for (int i = row; i < row + rows; ++i, block += stride) {
         subtract_product(residual_[i], residual_low_[i], *block, x[column + j]);
         magnitude_[i] += std::abs(*block * x[column + j]);
       }
   };
-  const auto each_block = [&](auto&& take) {
-    for (int k = s.component_begin(component); k < s.component_begin(component + 1); ++k) {
-      const Symbolic::Pivot& p = s.pivot(k);
-      take(matrix_.data() + p.diagonal, p.stride, p.row, p.dimension, p.row, p.dimension);
-      for (int e = p.begin; e < p.end; ++e) {
-        if (s.fill_[e]) continue;  // zero in the matrix
-        const Symbolic::Pivot& q = s.pivot(s.coupled_[e]);
-        const std::int64_t offset = s.block_offset_[e] * p.stride;
-        take(matrix_.data() + p.lower + offset, p.stride, q.row, q.dimension, p.row, p.dimension);
-        take(matrix_.data() + p.upper + offset, p.stride, p.row, p.dimension, q.row, q.dimension);
-      }
-    }
-  };
-  if (precision == Precision::plain) each_block(subtract);
-  else each_block(subtract_twice);
-  error_[component] = 0;
-  each_row(component, [&](int i) {
-    residual_[i] += residual_low_[i];
-    if (magnitude_[i] != 0) keep_largest(error_[component], std::abs(residual_[i]) / magnitude_[i]);
-  });
+  for (int k = symbolic_->component_begin(component); k < symbolic_->component_begin(component + 1); ++k)
+    each_kept_block(k, subtract);
+  finish_residual(component);
 }
 
 Factorization::Refinement Factorization::refine(std::span<const double> b, std::span<double> x, int max_sweeps) {
@@ -72,8 +99,9 @@ Factorization::Refinement Factorization::refine(std::span<const double> b, std::
   if (matrix_.empty()) throw std::logic_error("refine: allow_refinement() and keep_matrix(true) come before factorize()");
   refined_.assign(components.begin(), components.end());
   const auto keep_x = [&](int c) { each_row(c, [&](int i) { best_[i] = x[i]; }); };
+  set_active(components);
+  residual(b, x);
   for (const int c : components) {
-    residual(b, x, c, Precision::plain);
     precision_[c] = Precision::plain;
     in_vain_[c] = 0;
     least_error_[c] = error_[c];
@@ -86,9 +114,10 @@ Factorization::Refinement Factorization::refine(std::span<const double> b, std::
     for (const int c : refined_) each_row(c, [&](int i) { correction_[i] = residual_[i]; });
     set_active(refined_);
     solve_active(correction_.data(), 1);
+    for (const int c : refined_) each_row(c, [&](int i) { x[i] += correction_[i]; });
+    residual(b, x);
     for (const int c : refined_) {
-      each_row(c, [&](int i) { x[i] += correction_[i]; });
-      residual(b, x, c, precision_[c]);
+      if (precision_[c] == Precision::twice) residual_twice(b, x, c);
       const bool slow = !(error_[c] <= 0.9 * least_error_[c]);
       in_vain_[c] = slow ? in_vain_[c] + 1 : 0;
       if (error_[c] < least_error_[c]) {
@@ -97,7 +126,7 @@ Factorization::Refinement Factorization::refine(std::span<const double> b, std::
         keep_x(c);
       }
       // Rows may stand still because others, whose error is small, are wrong by what rounding takes.
-      if (slow && std::exchange(precision_[c], Precision::twice) == Precision::plain) residual(b, x, c, Precision::twice);
+      if (slow && std::exchange(precision_[c], Precision::twice) == Precision::plain) residual_twice(b, x, c);
     }
   }
   for (const int c : components) {

@@ -142,10 +142,11 @@ void Factorization::count_pack(const simd::PivotPack& pack, unsigned active, std
     (negative ? outcome.inertia.negative : outcome.inertia.positive) += shape.dimension * pivots;
   };
   if (count == Count::together) return add(outcomes[0], std::popcount(active));
-  for (int l = 0; l < pack.lanes; ++l) {
-    if (!(active >> l & 1u)) continue;
-    add(outcomes[s.component(s.node(pack.pivot[l]))], 1);
-  }
+  const int first = s.component(s.node(pack.pivot[0]));
+  const auto& group = s.program().groups()[s.program().group_of(first)];
+  if (group.copies == 1) return add(outcomes[first], std::popcount(active));
+  for (int l = 0; l < pack.lanes; ++l)
+    if (active >> l & 1u) add(outcomes[group.component[l]], 1);
 }
 
 /// Where the factor of a pivot can be read, one scalar after the other: with the values, or a copy.

@@ -108,10 +108,18 @@ void InteriorPoint::evaluate_ports() {
   for (const int c : running_) {
     port_error_[c] = error_[c];
     // Two at a time, so that one comparison need not wait for the other.
-    double largest[2] = {error_[c], 0};
-    each_row(c, [&](int i) { keep_largest(largest[i % 2], std::abs(residual_[i]) * row_scale_[i]); });
-    keep_largest(largest[0], largest[1]);
-    error_[c] = largest[0];
+    LargestMagnitude even(error_[c]), odd;
+    for (int r = row_range_begin_[c]; r < row_range_begin_[c + 1]; ++r) {
+      const auto [begin, end] = row_ranges_[r];
+      int i = begin;
+      for (; i + 2 <= end; i += 2) {
+        even.take(residual_[i] * row_scale_[i]);
+        odd.take(residual_[i + 1] * row_scale_[i + 1]);
+      }
+      if (i < end) even.take(residual_[i] * row_scale_[i]);
+    }
+    even.take(odd);
+    error_[c] = even.value();
   }
 }
 

@@ -56,6 +56,9 @@ class ContactPort {
     g_.tangent[0] = t1;
     g_.tangent[1] = g_.normal.cross(t1);
   }
+  /// From the body's centre to the lowest point of the sphere, world [m].
+  [[nodiscard]] Vec3 world_arm(const Pose& pose) const { return pose.rotation * g_.point - g_.radius * g_.normal; }
+  [[nodiscard]] double plane_offset() const { return g_.offset; }
   [[nodiscard]] Vec3 contact_point(const Pose& pose) const {  ///< body frame, lowest point of the sphere
     return g_.point - g_.radius * (pose.rotation.transpose() * g_.normal);
   }
@@ -134,7 +137,7 @@ class ContactPort {
   [[nodiscard]] int row() const { return row_; }
   [[nodiscard]] const graphsolve::BlockHandle& block() const { return block_; }
 
-  /// What the contact is and where its forces act, 23 numbers in this order as kernels read them.
+  /// What the contact is and where its forces act, in this order as kernels read them.
   struct Geometry {
     Vec3 point, normal;
     double radius, offset;  ///< offset = n . o

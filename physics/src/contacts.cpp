@@ -90,17 +90,23 @@ void Contacts::register_with(graphsolve::Problem& problem) {
 Contacts::Reach Contacts::prepare(int lane, std::span<const double> velocity, const Step& step) {
   Reach reach;
   const double fall = 2 * step.gravity.norm() * step.dt;
+  int body = -1;
+  Vec3 v, w;  // of the body, world
   each_entry(lane, [&](Entry& entry) {
     entry.loaded = entry.active;
     entry.turned = false;
     entry.slip_speed = 0;
     visit(entry, [&](auto& port, auto&& law) {
-      const int row = bodies_.row[port.body()];
       const Pose& pose = bodies_.now[port.body()];
-      const Eigen::Map<const Vec3> v(velocity.data() + row), w(velocity.data() + row + 3);
-      const Vec3 u = v + pose.rotation * w.cross(port.contact_point(pose));  // of the material point
+      if (port.body() != body) {
+        body = port.body();
+        const double* x = velocity.data() + bodies_.row[body];
+        v = Eigen::Map<const Vec3>(x);
+        w = pose.rotation * Eigen::Map<const Vec3>(x + 3);
+      }
+      const Vec3 arm = port.world_arm(pose), u = v + w.cross(arm);  // of the material point
       const double vn = port.normal().dot(u);
-      const double distance = port.distance(pose);
+      const double distance = port.normal().dot(pose.x + arm) - port.plane_offset();
       reach.smallest_distance = std::min(reach.smallest_distance, distance);
       // Cannot be reached: even after two steps of free fall and a quarter more speed there is a gap left.
       entry.active = !step.cull || !(distance / step.dt + vn - fall - 0.25 * std::abs(vn) > reach_margin);
@@ -121,7 +127,7 @@ void Contacts::prepare_entry(Entry& entry, PortType& port, Law& law, const Vec3&
   } else {
     law.set_force(entry.loaded ? law.force() * step.force_factor : 0);
   }
-  port.prepare();
+  if (entry.batch != Batch::four) port.prepare();  // those make their levers eight at a time
 }
 
 /// Turns t1 against the slip, so that sliding friction lies along one facet.

@@ -69,6 +69,7 @@ void Contacts::differentiate(int lane, std::span<const double> x, const StepStar
       constexpr int rows = std::decay_t<decltype(port)>::rows;
       ContactResponse<rows> response;
       auto&& law = whole(kept);
+      port.prepare();
       port.evaluate(x, response.rate);
       law.residual(response.rate, response.force);
       law.condense(stiffness * law.scale(), response.stiffness);

@@ -100,6 +100,7 @@ void PyramidContacts::point_at_rows(ContactTask& task, int octet, std::span<cons
 void PyramidContacts::remember(Instances instances, double factor) {
   each_octet(instances.index, [&](ContactTask& task, int octet) {
     const double* geometry[graphsolve::simd::lanes];
+    each_contact(octet, task.used, [&](int lane, int i) { task.pose[lane] = bodies_.now[ports_[i].body()].x.data(); });
     each_contact(octet, task.used, [&](int lane, int i) { geometry[lane] = ports_[i].geometry().point.data(); });
     contact_kernels::remember(task, factor, geometry);
   });

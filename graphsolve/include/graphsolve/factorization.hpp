@@ -226,7 +226,12 @@ class Factorization {
   void walk(bool backward, Together&& together, Alone&& alone) const;
   void check_size(std::span<const double> x, int columns) const;
   enum class Precision { plain, twice };
-  void residual(std::span<const double> b, std::span<const double> x, int component, Precision precision);
+  void start_residual(std::span<const double> b, int component);
+  template <class F>
+  void each_kept_block(int k, F&& take) const;
+  void finish_residual(int component);
+  void residual(std::span<const double> b, std::span<const double> x);
+  void residual_twice(std::span<const double> b, std::span<const double> x, int component);
   template <class F>
   void each_row(int component, F&& f) const;
 

@@ -37,6 +37,17 @@ struct PackSolve {
   unsigned active;
 };
 
+/// What a pack's part of a residual works on.
+struct PackResidual {
+  const Shape& shape;
+  const PivotPack& pack;
+  const int* rows;
+  const double* matrix;  ///< of this pack, as it was before it was factored
+  const double* x;
+  double *residual, *magnitude;
+  unsigned active;
+};
+
 /// A pivot of a block that may depend, below this part of what was added to it, is rounding error.
 inline constexpr double dependent = 1e-11;
 
@@ -57,5 +68,7 @@ void solve_backward(const PackSolve& job);
 void solve_forward_transposed(const PackSolve& job);
 /// x_k := D^-T (x_k - L^T x_coupled).
 void solve_backward_transposed(const PackSolve& job);
+/// residual -= A x and magnitude += |A| |x| for the blocks of the pack.
+void subtract_product(const PackResidual& job);
 
 }  // namespace graphsolve::simd

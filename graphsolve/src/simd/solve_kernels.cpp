@@ -13,9 +13,13 @@ namespace graphsolve::simd::HWY_NAMESPACE {
 namespace {
 
 /// Each lane's rows of x: of its pivot (block 0) or of coupling block - 1.
+template <int L, class Job, class T>
+HWY_INLINE void point_at(const Job& job, T* x, int block, T** place) {
+  for (int l = 0; l < L; ++l) place[l] = x + job.rows[block * L + l];
+}
 template <int L>
 HWY_INLINE void point_at(const PackSolve& job, int block, double** place) {
-  for (int l = 0; l < L; ++l) place[l] = job.x + job.rows[block * L + l];
+  point_at<L>(job, job.x, block, place);
 }
 
 template <int D, int L>
@@ -25,26 +29,26 @@ HWY_INLINE void load_diagonal(const double* from, PackOf<L>* to, int d_) {
   for (int i = 0; i < d * d; ++i) to[i] = load<L>(from + i * L);
 }
 
-/// The coupled rows lose t. If pivots share couplings, lane after lane, as if they went one after the other.
-template <int L>
-HWY_INLINE void subtract_coupled(const PackSolve& job, const PackOf<L>* t) {
+/// The coupled rows of `to` += sign t. If pivots share couplings, lane after lane, as if they went one after the other.
+template <int L, class Job>
+HWY_INLINE void add_coupled(const Job& job, const PackOf<L>* t, double* to, double sign) {
   const Shape& shape = job.shape;
   double* place[L];
   if (!job.pack.shares || L == 1) {
     for (int i = 0, row = 0; i < shape.couplings(); row += shape.coupled[i++]) {
-      point_at<L>(job, i + 1, place);
-      add_transposed(t + row, shape.coupled[i], place, job.active, -1.0);
+      point_at<L>(job, to, i + 1, place);
+      add_transposed(t + row, shape.coupled[i], place, job.active, sign);
     }
     return;
   }
-  double lost[L][largest_front];
-  for (int l = 0; l < L; ++l) place[l] = lost[l];
+  double lanes[L][largest_front];
+  for (int l = 0; l < L; ++l) place[l] = lanes[l];
   store_transposed(t, shape.coupled_rows, place, job.pack.used);
   for (int l = 0; l < L; ++l) {
     if (!(job.active >> l & 1u)) continue;
     for (int i = 0, row = 0; i < shape.couplings(); row += shape.coupled[i++]) {
-      double* x = job.x + job.rows[(i + 1) * L + l];
-      for (int r = 0; r < shape.coupled[i]; ++r) x[r] -= lost[l][row + r];
+      double* x = to + job.rows[(i + 1) * L + l];
+      for (int r = 0; r < shape.coupled[i]; ++r) x[r] += sign * lanes[l][row + r];
     }
   }
 }
@@ -71,7 +75,7 @@ void forward(const PackSolve& job) {
     }
     lower += rows * d * L;
   }
-  subtract_coupled(job, t);
+  add_coupled(job, t, job.x, -1.0);
 }
 
 template <int D, int L>
@@ -107,7 +111,7 @@ void forward_transposed(const PackSolve& job) {
 #pragma GCC unroll 6
     for (int p = 1; p < d; ++p) t[r] = multiply_add(load<L>(w + p * L), x[p], t[r]);
   }
-  subtract_coupled(job, t);
+  add_coupled(job, t, job.x, -1.0);
 }
 
 template <int D, int L>
@@ -134,6 +138,47 @@ void backward_transposed(const PackSolve& job) {
   store_transposed(x, d, place, job.active);
 }
 
+/// sum and its magnitude += a b, number by number.
+template <int L>
+HWY_INLINE void take_up(const PackOf<L>& a, const PackOf<L>& b, PackOf<L>& sum, PackOf<L>& magnitude) {
+  sum = multiply_add(a, b, sum);
+  magnitude = multiply_add(abs(a), abs(b), magnitude);
+}
+
+template <int D, int L>
+void residual(const PackResidual& job) {
+  using P = PackOf<L>;
+  const Shape& shape = job.shape;
+  const int d = D ? D : shape.dimension;
+  P x[D ? D : largest_dimension], coupled[largest_front], sum[largest_front], magnitude[largest_front];
+  const double* from[L];
+  double* place[L];
+  point_at<L>(job, job.x, 0, from);
+  load_transposed(from, d, x, job.pack.used);
+  for (int p = 0; p < d; ++p) sum[p] = magnitude[p] = P(0.0);
+  const double* a = job.matrix;
+  for (int q = 0; q < d; ++q)
+    for (int p = 0; p < d; ++p, a += L) take_up(load<L>(a), x[q], sum[p], magnitude[p]);
+  const double* lower = a;
+  a += d * shape.coupled_rows * L;
+  for (int i = 0, row = 0; i < shape.couplings(); row += shape.coupled[i++]) {
+    point_at<L>(job, job.x, i + 1, from);
+    load_transposed(from, shape.coupled[i], coupled + row, job.pack.used);
+  }
+  for (int c = 0; c < shape.coupled_rows; ++c)
+    for (int p = 0; p < d; ++p, a += L) take_up(load<L>(a), coupled[c], sum[p], magnitude[p]);
+  point_at<L>(job, job.residual, 0, place);
+  add_transposed(sum, d, place, job.active, -1.0);
+  point_at<L>(job, job.magnitude, 0, place);
+  add_transposed(magnitude, d, place, job.active, 1.0);
+  for (int c = 0; c < shape.coupled_rows; ++c) sum[c] = magnitude[c] = P(0.0);
+  for (int i = 0, row = 0; i < shape.couplings(); row += shape.coupled[i++])
+    for (int q = 0; q < d; ++q)
+      for (int r = row; r < row + shape.coupled[i]; ++r, lower += L) take_up(load<L>(lower), x[q], sum[r], magnitude[r]);
+  add_coupled(job, sum, job.residual, -1.0);
+  add_coupled(job, magnitude, job.magnitude, 1.0);
+}
+
 }  // namespace
 
 void SolveForward(const PackSolve& job) { GRAPHSOLVE_BY_SHAPE(job.pack.lanes, job.shape.dimension, forward, job) }
@@ -143,6 +188,10 @@ void SolveForwardTransposed(const PackSolve& job) {
 }
 void SolveBackwardTransposed(const PackSolve& job) {
   GRAPHSOLVE_BY_SHAPE(job.pack.lanes, job.shape.dimension, backward_transposed, job)
+}
+
+void SubtractProduct(const PackResidual& job) {
+  GRAPHSOLVE_BY_SHAPE(job.pack.lanes, job.shape.dimension, residual, job)
 }
 
 }  // namespace graphsolve::simd::HWY_NAMESPACE
@@ -155,11 +204,13 @@ HWY_EXPORT(SolveForward);
 HWY_EXPORT(SolveBackward);
 HWY_EXPORT(SolveForwardTransposed);
 HWY_EXPORT(SolveBackwardTransposed);
+HWY_EXPORT(SubtractProduct);
 
 void solve_forward(const PackSolve& job) { HWY_DYNAMIC_DISPATCH(SolveForward)(job); }
 void solve_backward(const PackSolve& job) { HWY_DYNAMIC_DISPATCH(SolveBackward)(job); }
 void solve_forward_transposed(const PackSolve& job) { HWY_DYNAMIC_DISPATCH(SolveForwardTransposed)(job); }
 void solve_backward_transposed(const PackSolve& job) { HWY_DYNAMIC_DISPATCH(SolveBackwardTransposed)(job); }
+void subtract_product(const PackResidual& job) { HWY_DYNAMIC_DISPATCH(SubtractProduct)(job); }
 
 }  // namespace graphsolve::simd
 #endif

@@ -9,8 +9,9 @@ namespace physics {
 /// pairs in this order: normal, four facets, friction bound.
 struct ContactOctet {
   static constexpr int pairs = 6;
-  // Of the port, where the step starts: 23 numbers in the order of ContactPort::Geometry.
-  Octet point[3], normal[3], radius, offset, tangent[2][3], lever[3][3];
+  // Of the port: the first 14 numbers in the order of ContactPort::Geometry.
+  Octet point[3], normal[3], radius, offset, tangent[2][3];
+  Octet lever[3][3];  ///< as ContactPort::prepare makes them
   Octet rate_normal[3];
   // Of the law.
   Octet friction, scale, largest_ratio;
@@ -39,6 +40,7 @@ struct ContactTask {
 
 namespace contact_kernels {
 
+/// Takes up the geometry and makes levers at the poses of the task; impulses times factor are remembered.
 void remember(const ContactTask& task, double factor, const double* const* geometry);
 void restore(const ContactTask& task);
 void start_warm(const ContactTask& task);       ///< first: mu; second: scale
