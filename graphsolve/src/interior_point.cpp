@@ -18,20 +18,22 @@ constexpr double stiffest = 1e5;        ///< bound on z/s over its scale, as lon
 constexpr double stiffest_move = 0.1;   ///< below that the bound is this over the residual
 constexpr double superlinear = 0.01;   ///< mu over scale and the square of the ports' residual, near the solution
 
-/// Adds its life time to one phase of the profile; costs nothing without one.
-class PhaseClock {
+/// Adds the time since the last call to a phase of the profile; costs nothing without one. What lies between the phases
+/// counts with the next.
+class Laps {
  public:
-  explicit PhaseClock(double* sum) : sum_(sum) {
-    if (sum_) begin_ = std::chrono::steady_clock::now();
+  explicit Laps(Profile* profile) : profile_(profile) {
+    if (profile_) begin_ = std::chrono::steady_clock::now();
   }
-  ~PhaseClock() {
-    if (sum_) *sum_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  void add_to(double Profile::* phase) {
+    if (!profile_) return;
+    const auto now = std::chrono::steady_clock::now();
+    profile_->*phase += std::chrono::duration<double>(now - begin_).count();
+    begin_ = now;
   }
-  PhaseClock(const PhaseClock&) = delete;
-  PhaseClock& operator=(const PhaseClock&) = delete;
 
  private:
-  double* sum_;
+  Profile* profile_;
   std::chrono::steady_clock::time_point begin_;
 };
 
@@ -39,6 +41,7 @@ class PhaseClock {
 
 /// The paper's loop (section III-C) with a predictor, until every component has ended.
 Status InteriorPoint::solve(std::span<double> x, double force_factor, std::span<const double> noise) {
+  Laps laps(profile_);
   begin(x, force_factor, noise);
   start_warm();
   while (!running_.empty()) {
@@ -49,16 +52,21 @@ Status InteriorPoint::solve(std::span<double> x, double force_factor, std::span<
     }
     if (running_.empty()) break;
     if (!linearized_) evaluate(With::matrix);
-    if (!factorize()) {
+    laps.add_to(&Profile::evaluate);
+    const bool regular = factorize();
+    laps.add_to(&Profile::factorize);
+    if (!regular) {
       judge();
       evaluate(With::matrix);
       continue;
     }
     affine_step();
     combined_step();
+    laps.add_to(&Profile::solve);
     take_step();
     evaluate(most_expect_to_end() ? With::residual_alone : With::matrix);
   }
+  laps.add_to(&Profile::evaluate);
   Status worst = Status::solved;
   for (const int c : selected_) {
     if (reports_[c].status != Status::solved) {
@@ -84,7 +92,6 @@ void InteriorPoint::evaluate(With with) {
 }
 
 void InteriorPoint::evaluate_terms(With with) {
-  const PhaseClock clock(profile_ ? &profile_->evaluate : nullptr);
   linearized_ = with == With::matrix || !scales_known_;
   if (linearized_) factorization_.set_zero(running_);
   for (const int c : running_) each_row(c, [&](int i) { residual_[i] = 0; });
@@ -96,7 +103,6 @@ void InteriorPoint::evaluate_terms(With with) {
 
 /// On top of evaluate_terms: forces of the ports, and the natural residual of every running component.
 void InteriorPoint::evaluate_ports() {
-  const PhaseClock clock(profile_ ? &profile_->evaluate : nullptr);
   for (const int c : running_) error_[c] = product_[c] = 0;
   const auto ports = problem_.ports();
   for (std::size_t b = 0; b < ports.size(); ++b) {
@@ -125,7 +131,6 @@ void InteriorPoint::evaluate_ports() {
 
 /// False when some component has a singular block.
 bool InteriorPoint::factorize() {
-  const PhaseClock clock(profile_ ? &profile_->factorize : nullptr);
   const auto ports = problem_.ports();
   double* values = factorization_.values().data();
   // Forces that are not unique move by stiffness times residual: a stiffness of 1 / residual keeps that move finite,
@@ -187,7 +192,6 @@ bool InteriorPoint::straight_to_floor(int c) const {
 
 /// Predictor: how far does the step to mu = 0 lead? Sets mu and the weight of the second-order term.
 void InteriorPoint::affine_step() {
-  const PhaseClock clock(profile_ ? &profile_->solve : nullptr);
   bool wanted = false;
   for (const int c : running_) {
     ratio_[c] = mu_[c] = correction_[c] = 0;
@@ -230,7 +234,6 @@ void InteriorPoint::affine_step() {
 }
 
 void InteriorPoint::combined_step() {
-  const PhaseClock clock(profile_ ? &profile_->solve : nullptr);
   for (const int c : running_) ratio_[c] = 0;
   right_hand_side();
   solve_linear();

@@ -72,11 +72,13 @@ class Bundler {
   /// Pivots of one level and one shape.
   void fill_shape(std::span<const Item> items) {
     const int most = lanes_for(static_cast<int>(items.size()));
+    const std::size_t first = level_bundles_.size();
     rest_.clear();
     for (std::size_t i = 0, end; i < items.size(); i = end) {
       for (end = i + 1; end < items.size() && items[end].beside(items[i]);) ++end;
       take_class(items.subspan(i, end - i), most);
     }
+    fill_up(std::span(level_bundles_).subspan(first), placed_ - static_cast<int>(level_bundles_.size() - first));
     take_rest();
   }
 
@@ -89,29 +91,49 @@ class Bundler {
       return;
     }
     Bundle bundle{.lanes = above.lanes, .used = 0, .pivot = {}};
-    for (const Item& i : items) put(bundle, i.lane, i.pivot);
+    for (const Item& i : items) put(bundle, placed_, i.lane, i.pivot);
     add(bundle);
+  }
+
+  /// What is left over goes into empty lanes if all of it finds room there: a bundle less is worth more than lanes that
+  /// follow their parents.
+  void fill_up(std::span<Bundle> some, int number) {
+    std::size_t room = 0;
+    for (const Bundle& b : some) room += b.lanes - std::popcount(b.used);
+    if (rest_.size() > room) return;
+    for (Bundle& b : some) {
+      for (int l = 0; l < b.lanes && !rest_.empty(); ++l) {
+        if (b.used >> l & 1u) continue;
+        put(b, number, l, rest_.back().pivot);
+        rest_.pop_back();
+      }
+      repeat_in_empty_lanes(b);
+      ++number;
+    }
   }
 
   void take_rest() {
     for (std::size_t i = 0; i < rest_.size(); i += lanes) {
       const auto some = std::span(rest_).subspan(i, std::min<std::size_t>(lanes, rest_.size() - i));
       Bundle bundle{.lanes = lanes_for(static_cast<int>(some.size())), .used = 0, .pivot = {}};
-      for (std::size_t l = 0; l < some.size(); ++l) put(bundle, static_cast<int>(l), some[l].pivot);
+      for (std::size_t l = 0; l < some.size(); ++l) put(bundle, placed_, static_cast<int>(l), some[l].pivot);
       add(bundle);
     }
     rest_.clear();
   }
 
-  void put(Bundle& bundle, int lane, int pivot) {
+  void put(Bundle& bundle, int number, int lane, int pivot) {
     bundle.pivot[lane] = pivot;
     bundle.used |= 1u << lane;
-    place_[pivot] = {placed_, lane, bundle.lanes};
+    place_[pivot] = {number, lane, bundle.lanes};
   }
-  void add(Bundle& bundle) {
+  static void repeat_in_empty_lanes(Bundle& bundle) {
     const int first = bundle.pivot[std::countr_zero(bundle.used)];
     for (int l = 0; l < lanes; ++l)
       if (!(bundle.used >> l & 1u)) bundle.pivot[l] = first;
+  }
+  void add(Bundle& bundle) {
+    repeat_in_empty_lanes(bundle);
     level_bundles_.push_back(bundle);
     ++placed_;
   }

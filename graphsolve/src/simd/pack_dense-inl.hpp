@@ -28,26 +28,26 @@ inline constexpr int columns_at_once = PackOf<L>::parts == 1 ? 2 : 1;
 /// LU in place, column-major, reciprocals of the pivots on the diagonal. Lanes that should have been pivoted.
 template <int D, int L>
 HWY_INLINE unsigned factor(PackOf<L>* a, int d_) {
-  using Pack = PackOf<L>;
+  using P = PackOf<L>;
   const int d = D ? D : d_;
-  Pack start[D ? D : largest_dimension], growth[D ? D : largest_dimension];
+  P start[D ? D : largest_dimension], growth[D ? D : largest_dimension];
   for (int p = 0; p < d; ++p) {
     start[p] = abs(a[p * d + p]);
-    growth[p] = Pack(0.0);
+    growth[p] = P(0.0);
   }
-  MaskOf<L> sound = start[0] >= Pack(0.0);  // false for NaN
+  MaskOf<L> sound = start[0] >= P(0.0);  // false for NaN
 #pragma GCC unroll 6
   for (int p = 0; p < d; ++p) {
-    const Pack pivot = a[p * d + p];
-    sound = sound & (abs(pivot) > Pack(least_rest) * start[p]) & (growth[p] <= Pack(most_growth) * start[p]) &
-            (start[p] < Pack(1e300));
-    const Pack reciprocal = Pack(1.0) / pivot;
+    const P pivot = a[p * d + p];
+    sound = sound & (abs(pivot) > P(least_rest) * start[p]) & (growth[p] <= P(most_growth) * start[p]) &
+            (start[p] < P(1e300));
+    const P reciprocal = P(1.0) / pivot;
     a[p * d + p] = reciprocal;
 #pragma GCC unroll 6
     for (int i = p + 1; i < d; ++i) a[p * d + i] *= reciprocal;
 #pragma GCC unroll 6
     for (int j = p + 1; j < d; ++j) {
-      const Pack u = a[j * d + p];
+      const P u = a[j * d + p];
       growth[j] += abs(a[p * d + j] * u);
 #pragma GCC unroll 6
       for (int i = p + 1; i < d; ++i) a[j * d + i] = negative_multiply_add(a[p * d + i], u, a[j * d + i]);
@@ -59,15 +59,15 @@ HWY_INLINE unsigned factor(PackOf<L>* a, int d_) {
 /// LDL^T from the lower triangle, into the form that factor() leaves. Lanes that are not definite.
 template <int D, int L>
 HWY_INLINE unsigned factor_definite(PackOf<L>* a, const PackOf<L>* reference, const Definite& definite, int d_) {
-  using Pack = PackOf<L>;
+  using P = PackOf<L>;
   const int d = D ? D : d_;
-  const Pack sign(definite.sign), smallest(definite.smallest), infinity(std::numeric_limits<double>::infinity());
-  MaskOf<L> sound = Pack(0.0) <= Pack(0.0);
+  const P sign(definite.sign), smallest(definite.smallest), infinity(std::numeric_limits<double>::infinity());
+  MaskOf<L> sound = P(0.0) <= P(0.0);
 #pragma GCC unroll 6
   for (int p = 0; p < d; ++p) {
-    const Pack size = sign * a[p * d + p];
+    const P size = sign * a[p * d + p];
     sound = sound & (size > smallest * reference[p]) & (size < infinity);
-    const Pack reciprocal = Pack(1.0) / a[p * d + p];
+    const P reciprocal = P(1.0) / a[p * d + p];
     a[p * d + p] = reciprocal;
 #pragma GCC unroll 6
     for (int i = p + 1; i < d; ++i) {

@@ -352,7 +352,16 @@ HWY_INLINE PackOf<W> part_of(const Pack& a, int h) {
     P r;
     for (int i = 0; i < P::parts; ++i) r.part[i] = a.part[h * P::parts + i];
     return r;
-  } else {
+  }
+#if HWY_TARGET != HWY_SCALAR
+  else if constexpr (Pack::width == 2 * W) {
+    P r;
+    const auto& part = a.part[h / 2];
+    r.part[0] = h % 2 == 0 ? hn::LowerHalf(typename P::Tag(), part) : hn::UpperHalf(typename P::Tag(), part);
+    return r;
+  }
+#endif
+  else {
     HWY_ALIGN double all[lanes];
     store(a, all);
     return load<W>(all + h * W);
