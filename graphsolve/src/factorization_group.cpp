@@ -52,13 +52,7 @@ void Factorization::update_after(int begin, int size, const double* l, const dou
     }
     row(v, target, l, spread_w, depth, 0, i);
     if (i + 1 < end) row(v, target, l, spread_w, depth, i + 1, end);
-    double* own = v + target[i];
-    for (int r = 0; r < size; ++r) {  // amounts count one by one
-      const double* w = v + s.pivot(begin + r).upper + (size - 1 - r + i) * d * d;
-      remember_diagonal(own, d);
-      kernels_->product(d)(own, d, l + r * d * d, w, d, d, d, d);
-      note_added(coupled[i], own, d);
-    }
+    kernels_->watched_blocks[d - 1](v + target[i], reference_.data() + first_row_[coupled[i]], l, spread_w, depth, d, i);
   }
 }
 

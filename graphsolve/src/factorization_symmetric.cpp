@@ -40,6 +40,7 @@ void Factorization::transpose_panel(int k, const PivotBlocks& blocks) const {
   const int d = p.dimension;
   const double* lower = blocks.lower;
   double* upper = blocks.upper;
+  if (equal_[k] == d && d <= kernels::max_spread) return kernels_->transposes[d - 1](lower, upper, p.end - p.begin);
   for (int e = p.begin; e < p.end; ++e) {
     const int di = s.pivot(s.coupled_[e]).dimension;
     if (d == 3 && di == 3) transpose<3, 3>(lower, upper);

@@ -76,15 +76,20 @@ void Factorization::update(int k, const PivotBlocks& blocks, int from, Outcome& 
     const bool watch = tracks_reference(coupled[i]);
     const int stride = s.pivot(coupled[i]).stride;
     double* own = v + target[i - from];
-    if (watch) remember_diagonal(own, di, stride);
-    if (scattered_[k]) {
-      scalars += update_row_scattered(k, i, from, lower, upper);
-    } else if (size > 0) {
-      kernels_->rows_of_blocks[size - 1](v, target, lower, spread_.data(), d, 0, before + (symmetric() ? 1 : 0));
+    if (size > 0) {
+      const auto row = kernels_->rows_of_blocks[size - 1];
+      const int end = before + (symmetric() ? 1 : 0);
+      row(v, target, lower, spread_.data(), d, 0, watch ? i - from : end);
+      if (watch) {
+        kernels_->watched_blocks[size - 1](own, reference_.data() + first_row_[coupled[i]], lower, spread_.data(), d, d, i - from);
+        row(v, target, lower, spread_.data(), d, i - from + 1, end);
+      }
     } else {
-      scalars += update_row(*kernels_, v, {s, coupled + from, target, before, di, d, symmetric()}, lower, upper);
+      if (watch) remember_diagonal(own, di, stride);
+      if (scattered_[k]) scalars += update_row_scattered(k, i, from, lower, upper);
+      else scalars += update_row(*kernels_, v, {s, coupled + from, target, before, di, d, symmetric()}, lower, upper);
+      if (watch) note_added(coupled[i], own, di, stride);
     }
-    if (watch) note_added(coupled[i], own, di, stride);
     lower += di * d;
   }
   outcome.operations += d * scalars;

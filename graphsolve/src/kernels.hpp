@@ -41,6 +41,11 @@ using Forward = void (*)(double* x, const Symbolic::Pivot* pivots, std::span<con
 using Backward = void (*)(double* y, const Symbolic::Pivot* pivots, std::span<const int> coupled, const double* upper,
                           const double* x, int d);
 
+/// Such a block j, at c, alone: d columns of L after d columns. `reference` (S) keeps the amounts of largest size, signed,
+/// that were added to the entries of its diagonal.
+using WatchedBlock = void (*)(double* c, double* reference, const double* l, const double* spread_w, int depth, int d, int j);
+/// Blocks of S x S, one after the other, transposed.
+using Transpose = void (*)(const double* from, double* to, int blocks);
 /// Numbers of a W of `depth` rows and S `blocks` columns when spread: four blocks lie together.
 constexpr int spread_size(int depth, int blocks, int s) { return (blocks + 3) / 4 * 4 * depth * s * s; }
 
@@ -57,6 +62,8 @@ struct Table {
   std::array<LowerProduct, max_rows + 1> lower_products;
   std::array<Spread, max_spread> spreads;  ///< place S - 1
   std::array<RowOfBlocks, max_spread> rows_of_blocks;
+  std::array<WatchedBlock, max_spread> watched_blocks;
+  std::array<Transpose, max_spread> transposes;
   std::array<Forward, max_equal> forwards;
   std::array<Backward, max_equal> backwards;
   std::array<Factor, max_fixed + 1> factors;

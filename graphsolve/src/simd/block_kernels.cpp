@@ -207,6 +207,8 @@ template <int... I>
 constexpr void fill_rows_of_blocks(Table& t, std::integer_sequence<int, I...>) {
   t.spreads = {&spread<I + 1>...};
   t.rows_of_blocks = {&row_of_blocks<I + 1>...};
+  t.watched_blocks = {&watched_block<I + 1>...};
+  t.transposes = {&transpose_blocks<I + 1>...};
 }
 template <int... I>
 constexpr void fill_solves(Table& t, std::integer_sequence<int, I...>) {

@@ -7,6 +7,7 @@
 #endif
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 
@@ -183,6 +184,58 @@ void row_of_blocks(double* values, const std::int64_t* target, const double* l, 
   }
   if (depth - done == at_once) return part.template operator()<at_once>(at_once);
   part.template operator()<0>(depth - done);
+}
+
+/// Block j alone, d columns of L after d columns, and the largest amount that each time is added to its diagonal.
+template <int S>
+void watched_block(double* c, double* HWY_RESTRICT reference, const double* HWY_RESTRICT l, const double* HWY_RESTRICT spread_w,
+                   int depth, int d, int j) {
+  using P = Parts<S>;
+  const double* w = spread_w + static_cast<std::ptrdiff_t>(j / 4) * depth * P::four;
+  const int b = j % 4;
+  Rows<S> sum[S];
+  double before[S];
+#pragma GCC unroll 4
+  for (int q = 0; q < S; ++q) {
+    sum[q] = Rows<S>::load(c + q * S);
+    before[q] = c[q * (S + 1)];
+  }
+  for (int begin = 0; begin < depth; begin += d) {
+    for (int p = 0; p < d; ++p, l += S, w += P::four) {
+      const Rows<S> column = Rows<S>::load(l);
+#pragma GCC unroll 4
+      for (int q = 0; q < S; ++q) sum[q].subtract(column, w[q * S < P::own ? b * P::own + q * S : 4 * P::own + b]);
+    }
+#pragma GCC unroll 4
+    for (int q = 0; q < S; ++q) {
+      sum[q].store(c + q * S);
+      const double added = c[q * (S + 1)] - before[q];
+      reference[q] = std::abs(added) > std::abs(reference[q]) ? added : reference[q];  // no branch: unpredictable
+      before[q] = c[q * (S + 1)];
+    }
+  }
+}
+
+/// S x S blocks transposed, one after the other.
+template <int S>
+void transpose_blocks(const double* HWY_RESTRICT from, double* HWY_RESTRICT to, int blocks) {
+#if HWY_TARGET <= HWY_AVX3
+  if constexpr (S == 3) {
+    using Eight = hn::CappedTag<double, 8>;
+    alignas(64) static constexpr std::int64_t order[8] = {0, 3, 6, 1, 4, 7, 2, 5};
+    const auto places = hn::SetTableIndices(Eight(), order);
+    for (int k = 0; k < blocks; ++k, from += 9, to += 9) {
+      hn::StoreU(hn::TableLookupLanes(hn::LoadU(Eight(), from), places), Eight(), to);
+      to[8] = from[8];
+    }
+    return;
+  }
+#endif
+  for (int k = 0; k < blocks; ++k, from += S * S, to += S * S)
+#pragma GCC unroll 4
+    for (int i = 0; i < S; ++i)
+#pragma GCC unroll 4
+      for (int q = 0; q < S; ++q) to[i * S + q] = from[q * S + i];
 }
 
 template <int S, int D>
