@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <span>
 #include <vector>
 
 #include "graphsolve/block_graph.hpp"
@@ -32,8 +34,19 @@ Supernodes merge_supernodes(const BlockGraph& graph, const Ordering& ordering, c
 /// The same with the settings, among a few, of least predicted_time. Merges nothing where that is fastest.
 Supernodes merge_supernodes(const BlockGraph& graph, const Ordering& ordering);
 
-/// Rough time of one Factorization of the graph in this order [ns]: operations by the size of their blocks, and calls.
-/// Only to compare orderings and supernodes of one matrix. Cost O(blocks of the factor), memory O(nodes).
+/// The settings it tries; the first merges nothing.
+std::span<const SupernodeSettings> supernode_candidates();
+
+/// Sums over the pivots of an elimination, of d rows with r rows in b blocks under each:
+///   1,  d,  b,  d^3/3 + d^2 r;
+///   where r / b is 1, 2, 3 or 4, as where all blocks are of that size: b^2 (together with other pivots: its share of
+///   that), d r^2;  else where it is up to 8: b^2, d r^2;  where it is larger: d r^2.
+using FactorWork = std::array<double, 9>;
+FactorWork factor_work(const BlockGraph& graph, const Ordering& ordering);
+
+/// Rough time of one Factorization of the graph in this order, pivots one by one [ns]: factor_work by weights that
+/// bench/fit_supernodes.cpp found. Only to compare orderings and supernodes of one matrix. Cost O(blocks of the factor),
+/// memory O(nodes).
 double predicted_time(const BlockGraph& graph, const Ordering& ordering);
 
 }  // namespace graphsolve
