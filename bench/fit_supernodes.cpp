@@ -40,8 +40,7 @@ struct Sample {
 };
 
 double measure(const Problem& problem, const Supernodes& nodes) {
-  Factorization f(std::make_shared<const Symbolic>(nodes.graph, nodes.ordering));
-  f.use_packs(Packs::off);
+  Factorization f(std::make_shared<const Symbolic>(nodes.graph, nodes.ordering, Packs::off));
   Eigen::PermutationMatrix<Eigen::Dynamic> permutation(nodes.graph.rows());
   std::copy(nodes.row_of.begin(), nodes.row_of.end(), permutation.indices().data());
   Eigen::SparseMatrix<double> a;
