@@ -13,7 +13,7 @@ namespace {
 
 constexpr double affine_from = 1e-5;   ///< below this residual the barrier follows its square, without a predictor
 constexpr double centring = 0.5;
-constexpr double short_step = 0.15;    ///< three of these in a row end an attempt
+constexpr double short_step = 0.15;    ///< several of these in a row end an attempt
 constexpr double stiffest = 1e5;        ///< bound on z/s over its scale, as long as the residual is above 1e-6
 constexpr double stiffest_move = 0.1;   ///< below that the bound is this over the residual
 constexpr double superlinear = 0.01;   ///< mu over scale and the square of the ports' residual, near the solution

@@ -11,6 +11,8 @@ namespace {
 
 constexpr double refine_below = 1e-2;  ///< residual from which Newton is expected to gain a digit
 constexpr int most_polishes = 3;
+constexpr int patience = 3;            ///< this many short steps in a row end an attempt
+constexpr int last_patience = 6;       ///< from the third attempt on: there may be no better one
 constexpr int newton_halvings = 3;     ///< more hold it where the constraints curve
 constexpr int newton_iterations = 20;  ///< without ports it converges fast or not at all
 
@@ -76,7 +78,7 @@ void InteriorPoint::judge_component(int c) {
   if (degree_[c] == 0 && backtrack(c)) return;
   const int most = degree_[c] == 0 ? newton_iterations : settings_.max_iterations;
   if (attempt_iterations_[c] >= most) trouble_[c] = Status::max_iterations;
-  else if (short_steps_[c] >= 3) trouble_[c] = bounded_[c] ? Status::step_bound : Status::stalled;
+  else if (short_steps_[c] >= (reports_[c].attempts < 3 ? patience : last_patience)) trouble_[c] = bounded_[c] ? Status::step_bound : Status::stalled;
 }
 
 /// The last step only polished the products s z and made the residual worse: forces that are not unique amplify

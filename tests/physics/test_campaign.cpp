@@ -75,6 +75,18 @@ TEST(Campaign, StepsWhereOnlyTheFrozenFrictionBoundHelpsAreSolved) {
   run_scene("mass_ratio", 2, 256, 200);
 }
 
+/// The third attempt, which needs more than three short steps in a row. Without them step 196 fails on every rung.
+TEST(Campaign, AStepThatNeedsPatienceIsSolvedWhole) {
+  campaign::Options options;
+  options.families = {"mass_ratio"};
+  options.seed = 4;
+  options.first_scene = 171;
+  options.steps = options.steps_of_scene = 200;
+  const campaign::Report report = campaign::run(options);
+  EXPECT_TRUE(report.failures.empty() && report.refutations.empty()) << report;
+  EXPECT_EQ(report.total().substepped, 0);
+}
+
 /// These steps need not have a solution. What must not happen is a step that claims one and has none.
 TEST(Campaign, ALightChainThatSnapsTautIsSolvedOrReportedButNeverSilentlyWrong) {
   const campaign::Report report = slice({"snapping"}, 4000);
