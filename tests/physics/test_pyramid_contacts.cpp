@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "graphsolve/ordering.hpp"
@@ -161,6 +162,28 @@ TEST_P(PyramidContactsTest, WithForcesAtTheNewConfigurationDoWhatSingleOnesDo) {
   std::vector<int> all(11);
   for (int i = 0; i < 11; ++i) all[i] = i;
   expect_equal_steps(all);
+}
+
+/// Otherwise one attempt that ended in NaN would spoil all that follow it.
+TEST_P(PyramidContactsTest, OfANewStartForgetAStepThatWasNoNumber) {
+  build(1, 5);
+  const std::vector<int> all{0, 1, 2, 3, 4};
+  const graphsolve::Instances instances{all, component};
+  const std::vector<double> mu{0.1}, scale{2}, ratio{1e9}, none{0}, nowhere(x.size(), std::nan(""));
+  const auto start_again = [&](auto& batch) {
+    std::vector<double> rhs(x.size()), residual(x.size()), values(static_cast<std::size_t>(symbolic->values_size()));
+    for (const auto& step : {nowhere, x}) {
+      batch.start_cold(instances, 0.7, scale);
+      batch.evaluate(instances, x, residual);
+      batch.condense(instances, ratio, values.data());
+      std::fill(rhs.begin(), rhs.end(), 0.0);
+      batch.right_hand_side(instances, mu, none, rhs);
+      batch.recover(instances, step);
+    }
+    for (const double value : rhs) EXPECT_TRUE(std::isfinite(value));
+  };
+  start_again(packs);
+  start_again(singles);
 }
 
 INSTANTIATE_TEST_SUITE_P(On, PyramidContactsTest, testing::ValuesIn(graphsolve::simd::instruction_sets()),

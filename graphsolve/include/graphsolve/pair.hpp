@@ -32,7 +32,10 @@ struct Pair {
       s = mu / z;
     }
   }
-  [[nodiscard]] double defect(double mu, double correction) const { return s * z - mu + correction * ds * dz; }
+  /// Without a correction the last step does not count, not even when it was no number.
+  [[nodiscard]] double defect(double mu, double correction) const {
+    return s * z - mu + (correction != 0 ? correction * ds * dz : 0);
+  }
   [[nodiscard]] double boundary_ratio() const { return std::max(-dz / z, -ds / s); }
   [[nodiscard]] double product(double alpha) const { return (s + alpha * ds) * (z + alpha * dz); }
   void accept(double alpha) {

@@ -218,9 +218,12 @@ void Condense(const ContactTask& task) {
 void RightHandSide(const ContactTask& task) {
   ContactOctet& o = *task.octet;
   const Pack mu = load(task.first), correction = load(task.second);
+  const Mask corrected = correction > Pack(0.0);
   Pack weighted[pairs];  // ratio times shift
   const auto defect = [&](int k) HWY_ATTR {
-    const Pack d = load(o.s[k]) * load(o.z[k]) - mu + correction * load(o.ds[k]) * load(o.dz[k]);
+    // Without a correction the last step does not count, not even when it was no number.
+    const Pack product = gs::select(corrected, correction * load(o.ds[k]) * load(o.dz[k]), Pack(0.0));
+    const Pack d = load(o.s[k]) * load(o.z[k]) - mu + product;
     store(d, o.defect[k]);
     return d;
   };
