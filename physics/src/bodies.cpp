@@ -17,6 +17,8 @@ void Bodies::wire(const graphsolve::Wiring& wiring) {
   place_ = places_in_octets(placed);
   const int octets = octets_for(1 + *std::max_element(place_.begin(), place_.end()));
   constants_.assign(octets, {});
+  at_.assign(octets, {});
+  kernel_ = body_kernel();
   groups_.resize(octets);
   blocks_.assign(octets, {});
   body_at_.assign(octets * graphsolve::simd::lanes, -1);
@@ -26,6 +28,18 @@ void Bodies::wire(const graphsolve::Wiring& wiring) {
     set_octet(i);
   }
   for (auto& blocks : blocks_) blocks.finish();
+}
+
+const BodyAtOctet* Bodies::octet_of_all(std::span<const int, graphsolve::simd::lanes> body) const {
+  int octet = -1;
+  for (int l = 0; l < graphsolve::simd::lanes; ++l) {
+    if (body[l] == nothing) continue;
+    if (body[l] < 0) return nullptr;  // the world has no octet
+    const int place = place_[body[l]];
+    if (lane_of(place) != l || (octet >= 0 && octet_of(place) != octet)) return nullptr;
+    octet = octet_of(place);
+  }
+  return octet < 0 ? nullptr : &at_[octet];
 }
 
 void Bodies::add(const RigidBody& body, graphsolve::NodeId node) {
@@ -70,7 +84,8 @@ void Bodies::evaluate(graphsolve::Instances instances, std::span<const double> x
       task.known_angular[lane] = known_angular[i].data();
       task.residual[lane] = residual.data() + row[i];
     });
-    evaluate_bodies(task);
+    task.at = &at_[octet];
+    kernel_(task);
   });
 }
 

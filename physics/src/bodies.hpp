@@ -53,6 +53,10 @@ class Bodies final : public graphsolve::Term {
     now[i].q = q;
     now[i].rotation = q.toRotationMatrix();
   }
+  static constexpr int nothing = -2;  ///< instead of a body, where there is none; -1 is the world
+  /// The octet whose lanes hold just these bodies, lane by lane (or `nothing`), at the present iterate; null if there
+  /// is none. Once they are wired.
+  [[nodiscard]] const BodyAtOctet* octet_of_all(std::span<const int, graphsolve::simd::lanes> body) const;
   [[nodiscard]] graphsolve::NodeId node(int body) const { return node_[body]; }
 
   [[nodiscard]] int size() const override { return static_cast<int>(node_.size()); }
@@ -68,8 +72,10 @@ class Bodies final : public graphsolve::Term {
  private:
   std::vector<graphsolve::NodeId> node_;
   void set_octet(int i);
+  BodyKernel kernel_ = nullptr;
   // Bodies in octets, known once they are wired.
   std::vector<int> place_, body_at_;
+  std::vector<BodyAtOctet> at_;
   std::vector<BodyOctet> constants_;  ///< mass and inertia once more
   std::vector<graphsolve::simd::LaneBlocks> blocks_;  ///< by octet
   OctetGroups groups_;

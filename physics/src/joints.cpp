@@ -1,6 +1,7 @@
 #include "joints.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -119,25 +120,47 @@ void Joints::place_in_octets() {
   const std::vector<int> places = places_in_octets(placed);
   const int octets = octets_for(1 + *std::max_element(places.begin(), places.end()));
   const std::vector<JointOctet> before = std::exchange(octets_, std::vector<JointOctet>(octets));
+  const std::vector<MotorOctet> motors_before = std::exchange(motors_, std::vector<MotorOctet>(octets));
   octet_rows_.assign(octets, {});
+  kernels_ = joint_kernels();
   blocks_.assign(octets, {});
   joint_at_.assign(octets * graphsolve::simd::lanes, -1);
   groups_.resize(octets);
   for (int i = 0; i < size(); ++i) {
     Joint& joint = joints_[i];
     const int octet = octet_of(places[i]), lane = lane_of(places[i]);
-    if (joint.place >= 0) copy_lane(before[octet_of(joint.place)], lane_of(joint.place), octets_[octet], lane);
+    if (joint.place >= 0) {
+      copy_lane(before[octet_of(joint.place)], lane_of(joint.place), octets_[octet], lane);
+      copy_lane(motors_before[octet_of(joint.place)], lane_of(joint.place), motors_[octet], lane);
+    }
     joint.place = places[i];
     joint_at_[joint.place] = i;
     octet_rows_[octet] = static_cast<JointRows>(placed[i].kind);
     set(i, joint.geometry, joint.motor);
     JointBlocks& blocks = blocks_[octet];
+    blocks.own.set(lane, joint.own);
     const auto& g = joint.geometry;
     if (g.child >= 0) blocks.to_child.set(lane, joint.to_child), blocks.from_child.set(lane, joint.from_child);
     if (g.parent >= 0) blocks.to_parent.set(lane, joint.to_parent), blocks.from_parent.set(lane, joint.from_parent);
   }
   for (JointBlocks& blocks : blocks_)
-    for (auto* some : {&blocks.to_child, &blocks.from_child, &blocks.to_parent, &blocks.from_parent}) some->finish();
+    for (auto* some : {&blocks.own, &blocks.to_child, &blocks.from_child, &blocks.to_parent, &blocks.from_parent}) some->finish();
+  find_neighbours();
+}
+
+/// Octets of bodies that lie in the lanes of their joints.
+void Joints::find_neighbours() {
+  neighbours_.assign(octets_.size(), {});
+  for (int octet = 0; octet < static_cast<int>(octets_.size()); ++octet) {
+    constexpr int lanes = graphsolve::simd::lanes;
+    std::array<int, lanes> parent, child;
+    for (int l = 0; l < lanes; ++l) {
+      const int i = joint_at_[octet * lanes + l];
+      parent[l] = i < 0 ? Bodies::nothing : joints_[i].geometry.parent;
+      child[l] = i < 0 ? Bodies::nothing : joints_[i].geometry.child;
+    }
+    neighbours_[octet] = {bodies_.octet_of_all(parent), bodies_.octet_of_all(child)};
+  }
 }
 
 void Joints::violation(const Joint& joint, const Pose& a, const Pose& b, double* g) const {
@@ -165,7 +188,7 @@ void Joints::directions(const JointGeometry& geometry, const Motor* motor, const
   task.used = 1;
   std::fill_n(task.parent, 8, a.x.data());
   std::fill_n(task.child, 8, b.x.data());
-  aim_joints(task);
+  joint_kernels().aim(task);
   parent = rows_at(octet.parent_force, 6, 0);
   child = rows_at(octet.child_force, 6, 0);
 }
@@ -189,8 +212,16 @@ double Joints::coordinate(const Joint& joint, const Pose& a, const Pose& b) cons
 void Joints::prepare(int i, double end_time, double impulse_time) {
   Joint& joint = joints_[i];
   joint.impulse_time = impulse_time;
-  if (joint.motor) joint.target = motor_target(*joint.motor, end_time);
   to_aim_.push_back(i);
+  if (!joint.motor) return;
+  MotorOctet& m = motors_[octet_of(joint.place)];
+  const int lane = lane_of(joint.place);
+  m.stiffness[lane] = joint.motor->stiffness;
+  m.damping[lane] = joint.motor->damping;
+  m.limit[lane] = joint.motor->limit;
+  m.target[lane] = motor_target(*joint.motor, end_time);
+  m.coordinate[lane] = joint.coordinate;
+  m.impulse_time[lane] = impulse_time;
 }
 
 void Joints::aim() {
@@ -210,7 +241,7 @@ void Joints::aim(std::span<const int> joints, bool at_next) {
       task.parent[lane] = pose(g.parent).x.data();
       task.child[lane] = pose(g.child).x.data();
     });
-    aim_joints(task);
+    kernels_.aim(task);
   });
   for (const int i : joints) {
     Joint& joint = joints_[i];

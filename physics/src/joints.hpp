@@ -37,7 +37,10 @@ class Joints final : public graphsolve::Term {
   /// Force directions at `now` of the joints that were prepared since the last call.
   void aim();
   /// After a step that is kept: remembers the motor's coordinate.
-  void commit(int i) { joints_[i].coordinate = joints_[i].next_coordinate; }
+  void commit(int i) {
+    Joint& joint = joints_[i];
+    if (joint.motor) joint.coordinate = motors_[octet_of(joint.place)].next_coordinate[lane_of(joint.place)];
+  }
   /// Keeps the motor's coordinate, or goes back to what was kept.
   void save(int i) { joints_[i].saved_coordinate = joints_[i].coordinate; }
   void restore(int i) { joints_[i].coordinate = joints_[i].saved_coordinate; }
@@ -86,9 +89,7 @@ class Joints final : public graphsolve::Term {
     graphsolve::BlockHandle own, to_parent, to_child, from_parent, from_child, parent_own, child_own;
     int place = -1;  ///< lane and octet that hold its numbers and force directions, once it is wired
     double coordinate = 0;              ///< of the motor at `now`
-    double next_coordinate = 0, saved_coordinate = 0;
-    bool limited = false;  ///< the effort at the last point evaluated is at its limit
-    double target = 0;
+    double saved_coordinate = 0;
     double impulse_time = 0;  ///< impulse over force in this step [s]
     // Where the recorded body stood when the force acted on it: the child, or the parent of a child in the world.
     Mat3 force_rotation = Mat3::Identity();
@@ -103,6 +104,7 @@ class Joints final : public graphsolve::Term {
   [[nodiscard]] Matrix6 child_force(const Joint& joint) const;
   double coordinate(const Joint& joint, const Pose& a, const Pose& b) const;
   void place_in_octets();
+  void find_neighbours();
   void aim(std::span<const int> joints, bool at_next);
   void evaluate_octet(int octet, unsigned used, std::span<const double> x, std::span<double> residual, double* values);
   void add_forces(int i, std::span<const double> x, std::span<double> residual, double* values);
@@ -112,8 +114,10 @@ class Joints final : public graphsolve::Term {
   void differentiate_rows(const Joint& joint, Sensitivity& out) const;
   void differentiate_effort(const Joint& joint, Sensitivity& out) const;
   void add_direction_derivative(const Joint& joint, const Vec3& impulse, double* values) const;
-  /// Residual of the motor row and its diagonal entry; tells whether the effort is at its limit.
-  double motor_residual(Joint& joint, double lambda, double& diagonal);
+  /// Is the effort at its limit at the last point evaluated?
+  [[nodiscard]] bool limited(const Joint& joint) const {
+    return motors_[octet_of(joint.place)].limited[lane_of(joint.place)] != 0;
+  }
 
   Bodies& bodies_;
   std::vector<Joint> joints_;
@@ -121,6 +125,12 @@ class Joints final : public graphsolve::Term {
   std::vector<JointOctet> octets_;
   std::vector<JointRows> octet_rows_;
   std::vector<JointBlocks> blocks_;
+  std::vector<MotorOctet> motors_;
+  struct Neighbours {
+    const BodyAtOctet *parents, *children;
+  };
+  std::vector<Neighbours> neighbours_;
+  JointKernels kernels_{};
   std::vector<int> joint_at_;               ///< by place
   OctetGroups groups_;
   std::vector<int> to_aim_;

@@ -1,10 +1,7 @@
-#include <cmath>
-#include <numbers>
-
 #include "graphsolve/io/block_view.hpp"
 #include "joints.hpp"
 
-/// Residual and blocks of all joints at the iterate: octets by kernels, forces and motors one by one.
+/// Residual and blocks of all joints at the iterate: octets by kernels, forces one by one.
 namespace physics {
 
 void Joints::evaluate(graphsolve::Instances instances, std::span<const double> x, std::span<double> residual,
@@ -25,22 +22,25 @@ void Joints::evaluate_octet(int octet, unsigned used, std::span<const double> x,
   task.dt = bodies_.dt;
   task.values = values;
   task.blocks = &blocks_[octet];
+  task.motor = &motors_[octet];
+  task.parents = neighbours_[octet].parents;
+  task.children = neighbours_[octet].children;
   each_lane(octet, used, [&](int lane, int place) {
     const int i = joint_at_[place];
     const Joint& joint = joints_[i];
     const JointGeometry& g = joint.geometry;
-    task.parent[lane] = bodies_.pose_next(g.parent).x.data();
-    task.child[lane] = bodies_.pose_next(g.child).x.data();
+    if (!task.parents) task.parent[lane] = bodies_.pose_next(g.parent).x.data();
+    if (!task.children) task.child[lane] = bodies_.pose_next(g.child).x.data();
     task.impulses[lane] = x.data() + joint.row;
     task.residual[lane] = residual.data() + joint.row;
     task.wrenches[lane] = wrenches_[i].data();
   });
-  evaluate_joints(task);
+  kernels_.evaluate(task);
 }
 
-/// What the octets leave out: forces on the bodies, and motors.
+/// What the octets leave out: forces on the bodies.
 void Joints::add_forces(int i, std::span<const double> x, std::span<double> residual, double* values) {
-  Joint& joint = joints_[i];
+  const Joint& joint = joints_[i];
   const double* wrench = wrenches_[i].data();
   if (joint.child_row >= 0)
     for (int k = 0; k < 6; ++k) residual[joint.child_row + k] -= wrench[k];
@@ -48,33 +48,6 @@ void Joints::add_forces(int i, std::span<const double> x, std::span<double> resi
     for (int k = 0; k < 6; ++k) residual[joint.parent_row + k] -= wrench[6 + k];
   if (values && bodies_.force_at_next)
     add_direction_derivative(joint, Eigen::Map<const Vec3>(x.data() + joint.row), values);
-  if (!joint.motor) return;
-  double diagonal = 0;
-  residual[joint.row + 5] += motor_residual(joint, x[joint.row + 5], diagonal);
-  if (!values) return;
-  values[joint.own.place(5, 5)] += diagonal;
-  if (!joint.limited) return;
-  for (int k = 0; k < 6; ++k) {  // the effort no longer answers to the velocity
-    if (joint.parent_row >= 0) values[joint.to_parent.place(5, k)] = 0;
-    if (joint.child_row >= 0) values[joint.to_child.place(5, k)] = 0;
-  }
-}
-
-double Joints::motor_residual(Joint& joint, double lambda, double& diagonal) {
-  const JointGeometry& g = joint.geometry;
-  const Motor& motor = *joint.motor;
-  const double dt = bodies_.dt;
-  const double raw = coordinate(joint, bodies_.pose_next(g.parent), bodies_.pose_next(g.child));
-  double change = raw - joint.coordinate;
-  // Follow full turns; within half a turn nothing changes.
-  if (g.type == JointType::revolute && !(std::abs(change) <= std::numbers::pi))
-    change = std::remainder(change, 2 * std::numbers::pi);
-  joint.next_coordinate = joint.coordinate + change;
-  const double wanted = motor.stiffness * (joint.target - joint.next_coordinate) - motor.damping * change / dt;
-  joint.limited = !(std::abs(wanted) < motor.limit);
-  const double effort = joint.limited ? std::copysign(motor.limit, wanted) : wanted;
-  diagonal = 1 / (joint.impulse_time * (motor.stiffness * dt + motor.damping));
-  return (lambda - joint.impulse_time * effort) * diagonal;
 }
 
 /// With directions at `next` the torque p x R^T impulse turns with the body. (Of the rows in all three axes of the

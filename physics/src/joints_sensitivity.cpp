@@ -96,7 +96,7 @@ void Joints::differentiate_rows(const Joint& joint, Sensitivity& out) const {
     if (body < 0) return;
     by_next.topRightCorner(joint.rows, 3) *= out.carry[body];
     if (joint.motor) by_next.row(5) -= damped * force.row(5);
-    if (joint.limited) by_next.row(5).setZero();
+    if (limited(joint)) by_next.row(5).setZero();
     out.across.push_back({joint.row, joint.rows, body, by_next / bodies_.dt});
   };
   push(g.parent, parent, parent_force(joint));
@@ -109,7 +109,7 @@ void Joints::differentiate_effort(const Joint& joint, Sensitivity& out) const {
   if (g.type != JointType::revolute && g.type != JointType::prismatic) return;
   if (joint.motor) {
     Vector6 value = Vector6::Zero();
-    if (!joint.limited) value[0] = -1 / (joint.motor->stiffness * bodies_.dt + joint.motor->damping);
+    if (!limited(joint)) value[0] = -1 / (joint.motor->stiffness * bodies_.dt + joint.motor->damping);
     out.effort.push_back({g.source, joint.row + 5, 1, value});
     return;
   }

@@ -1,6 +1,7 @@
 #include "pyramid_contacts.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 
 #include "simd/placement.hpp"
@@ -44,6 +45,7 @@ void PyramidContacts::wire(const graphsolve::Wiring& wiring) {
   one_body_.assign(octets, 1);
   contact_at_.assign(octets * graphsolve::simd::lanes, -1);
   product_.assign(ports_.size(), 0.0);
+  kernels_ = contact_kernels();
   std::vector<int> body(octets, -1);
   for (int i = 0; i < size(); ++i) {
     const int octet = octet_of(place_[i]);
@@ -53,6 +55,16 @@ void PyramidContacts::wire(const graphsolve::Wiring& wiring) {
     body[octet] = ports_[i].body();
   }
   for (auto& blocks : blocks_) blocks.finish();
+  beside_.clear();
+  for (int octet = 0; octet < octets; ++octet) {
+    constexpr int lanes = graphsolve::simd::lanes;
+    std::array<int, lanes> of_lane;
+    for (int l = 0; l < lanes; ++l) {
+      const int i = contact_at_[octet * lanes + l];
+      of_lane[l] = i < 0 ? Bodies::nothing : ports_[i].body();
+    }
+    beside_.push_back(bodies_.octet_of_all(of_lane));
+  }
 }
 
 /// f(task, octet) with what every operation needs.
@@ -90,6 +102,8 @@ void PyramidContacts::give(const ContactTask& task, int octet, F&& f) const {
 }
 
 void PyramidContacts::point_at_poses(ContactTask& task, int octet) const {
+  task.bodies = beside_[octet];
+  if (task.bodies) return;
   each_contact(octet, task.used, [&](int lane, int i) { task.pose[lane] = bodies_.next[ports_[i].body()].x.data(); });
 }
 
@@ -102,12 +116,12 @@ void PyramidContacts::remember(Instances instances, double factor) {
     const double* geometry[graphsolve::simd::lanes];
     each_contact(octet, task.used, [&](int lane, int i) { task.pose[lane] = bodies_.now[ports_[i].body()].x.data(); });
     each_contact(octet, task.used, [&](int lane, int i) { geometry[lane] = ports_[i].geometry().point.data(); });
-    contact_kernels::remember(task, factor, geometry);
+    kernels_.remember(task, factor, geometry);
   });
 }
 
 void PyramidContacts::restore(Instances instances) {
-  each_octet(instances.index, [&](ContactTask& task, int) { contact_kernels::restore(task); });
+  each_octet(instances.index, [&](ContactTask& task, int) { kernels_.restore(task); });
 }
 
 /// With force directions at the new configuration the arms change with it.
@@ -128,14 +142,14 @@ void PyramidContacts::start_warm(Instances instances, std::span<const double> x,
     point_at_rows(task, octet, x);
     take(task.first, task, octet, instances, mu);
     take(task.second, task, octet, instances, scale);
-    contact_kernels::start_warm(task);
+    kernels_.start_warm(task);
   });
 }
 
 void PyramidContacts::start_cold(Instances instances, double velocity, std::span<const double> scale) {
   each_octet(instances.index, [&](ContactTask& task, int octet) {
     take(task.second, task, octet, instances, scale);
-    contact_kernels::start_cold(task, velocity);
+    kernels_.start_cold(task, velocity);
   });
 }
 
@@ -145,7 +159,7 @@ void PyramidContacts::evaluate(Instances instances, std::span<const double> x, s
     point_at_poses(task, octet);
     point_at_rows(task, octet, x);
     each_contact(octet, task.used, [&](int lane, int i) { task.rows[lane] = residual.data() + ports_[i].row(); });
-    contact_kernels::evaluate(task);
+    kernels_.evaluate(task);
   });
 }
 
@@ -153,7 +167,7 @@ void PyramidContacts::natural_error(Instances instances, std::span<const double>
                                     std::span<double> product) const {
   each_octet(instances.index, [&](ContactTask& task, int octet) {
     take(task.second, task, octet, instances, scale);
-    contact_kernels::natural_error(task);
+    kernels_.natural_error(task);
     give(task, octet, [&](int i, int lane) {
       graphsolve::keep_largest(error[instances.component[i]], task.out[lane]);
       graphsolve::keep_largest(product[instances.component[i]], task.also_out[lane]);
@@ -166,7 +180,7 @@ void PyramidContacts::condense(Instances instances, std::span<const double> larg
     take(task.first, task, octet, instances, largest_ratio);
     task.values = values;
     task.blocks = &blocks_[octet];
-    contact_kernels::condense(task);
+    kernels_.condense(task);
   });
 }
 
@@ -176,20 +190,20 @@ void PyramidContacts::right_hand_side(Instances instances, std::span<const doubl
     take(task.first, task, octet, instances, mu);
     take(task.second, task, octet, instances, correction);
     each_contact(octet, task.used, [&](int lane, int i) { task.rows[lane] = rhs.data() + ports_[i].row(); });
-    contact_kernels::right_hand_side(task);
+    kernels_.right_hand_side(task);
   });
 }
 
 void PyramidContacts::recover(Instances instances, std::span<const double> dx) {
   each_octet(instances.index, [&](ContactTask& task, int octet) {
     point_at_rows(task, octet, dx);
-    contact_kernels::recover(task);
+    kernels_.recover(task);
   });
 }
 
 void PyramidContacts::boundary_ratio(Instances instances, std::span<double> ratio) const {
   each_octet(instances.index, [&](ContactTask& task, int octet) {
-    contact_kernels::boundary_ratio(task);
+    kernels_.boundary_ratio(task);
     give(task, octet, [&](int i, int lane) { graphsolve::keep_largest(ratio[instances.component[i]], task.out[lane]); });
   });
 }
@@ -198,7 +212,7 @@ void PyramidContacts::complementarity(Instances instances, std::span<const doubl
                                       std::span<double> sum) const {
   each_octet(instances.index, [&](ContactTask& task, int octet) {
     take(task.first, task, octet, instances, alpha);
-    contact_kernels::complementarity(task);
+    kernels_.complementarity(task);
     give(task, octet, [&](int i, int lane) { product_[i] = task.out[lane]; });
   });
   // In the order of the contacts, whatever octets they are in: the sum in bits depends on it.
@@ -208,7 +222,7 @@ void PyramidContacts::complementarity(Instances instances, std::span<const doubl
 void PyramidContacts::accept(Instances instances, std::span<const double> alpha) {
   each_octet(instances.index, [&](ContactTask& task, int octet) {
     take(task.first, task, octet, instances, alpha);
-    contact_kernels::accept(task);
+    kernels_.accept(task);
   });
 }
 

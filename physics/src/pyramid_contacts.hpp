@@ -82,6 +82,8 @@ class PyramidContacts final : public graphsolve::PortBatch {
   std::vector<ContactPort<3>> ports_;
   // Contacts in octets, known once they are wired.
   std::vector<int> place_, contact_at_;
+  std::vector<const BodyAtOctet*> beside_;  ///< by octet: its bodies, if they lie in the same lanes
+  ContactKernels kernels_{};
   std::vector<char> one_body_;  ///< by octet: its contacts are on the same body
   std::vector<graphsolve::simd::LaneBlocks> blocks_;  ///< by octet
   mutable std::vector<double> product_;               ///< by contact, to be summed up

@@ -33,6 +33,8 @@ void EvaluateBodies(const BodyTask& task) {
   put(rotation_matrix(q), to + 7);
   put(half * (diagonal(s) + outer(w, w_over_s) - skew(w)), to + 16);
   gs::store_transposed(to, 25, task.next, used);
+  for (int i = 0; i < 25; ++i) store(to[i], task.at->pose[i]);
+  for (int i = 0; i < 6; ++i) store(x[i], task.at->velocity[i]);
 
   const Pack mass = load(task.constants->mass);
   const Matrix3 inertia = load33(task.constants->inertia);
@@ -52,6 +54,8 @@ void EvaluateBodies(const BodyTask& task) {
   gs::add_entries(added, 12, [&](int i) HWY_ATTR { return entry[i]; }, task.values, *task.blocks, used, 1.0);
 }
 
+BodyKernel Kernel() { return EvaluateBodies; }
+
 }  // namespace
 }  // namespace physics::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -59,9 +63,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace physics {
 
-HWY_EXPORT(EvaluateBodies);
+HWY_EXPORT(Kernel);
 
-void evaluate_bodies(const BodyTask& task) { HWY_DYNAMIC_DISPATCH(EvaluateBodies)(task); }
+BodyKernel body_kernel() {
+  (void)graphsolve::simd::instruction_set();  // chosen now, if it was not yet
+  return HWY_DYNAMIC_DISPATCH(Kernel)();
+}
 
 }  // namespace physics
 #endif

@@ -10,6 +10,12 @@ struct BodyOctet {
   Octet mass, inertia[9];
 };
 
+/// Where eight bodies are at the present iterate, once more: joints and contacts that lie in the same lanes read it whole.
+struct BodyAtOctet {
+  Octet pose[25];    ///< Pose, after the step
+  Octet velocity[6]; ///< v, w
+};
+
 /// Eight bodies (or fewer: bit per lane in `used`; the other lanes point where a used one does and write nothing).
 struct BodyTask {
   const BodyOctet* constants;
@@ -18,6 +24,7 @@ struct BodyTask {
   const double* velocity[8];       ///< v, w
   const double* now[8];            ///< Pose
   double* next[8];                 ///< Pose
+  BodyAtOctet* at;                 ///< out; means nothing in lanes that are not used
   const double* known_linear[8];
   const double* known_angular[8];
   double* residual[8];             ///< 6
@@ -25,7 +32,8 @@ struct BodyTask {
   const graphsolve::simd::LaneBlocks* blocks;  ///< 6 x 6
 };
 
-/// Poses after the step, residual, and its derivative: Bodies says which.
-void evaluate_bodies(const BodyTask& task);
+using BodyKernel = void (*)(const BodyTask&);
+/// Poses after the step, residual, and its derivative: Bodies says which. For the instruction set in use.
+BodyKernel body_kernel();
 
 }  // namespace physics

@@ -39,12 +39,7 @@ HWY_INLINE Pack along(const Rows& u, int facet) {
 /// A task whose contacts are on one body reads it once.
 HWY_INLINE unsigned read(const ContactTask& task) { return task.one_body ? 1u : task.used; }
 
-HWY_INLINE Rows velocity(const ContactTask& task, Vector3& v, Vector3& w) {
-  const ContactOctet& o = *task.octet;
-  Pack x[6];
-  gs::load_transposed(task.x, 6, x, read(task));
-  v = vector(x);
-  w = vector(x + 3);
+HWY_INLINE Rows along_tangents(const ContactOctet& o, const Vector3& v, const Vector3& w) {
   return {Pack(0.0), dot(load3(o.tangent[0]), v) + dot(load3(o.lever[1]), w),
           dot(load3(o.tangent[1]), v) + dot(load3(o.lever[2]), w)};
 }
@@ -52,13 +47,18 @@ HWY_INLINE Rows velocity(const ContactTask& task, Vector3& v, Vector3& w) {
 /// u at the pose; keeps the derivative of its normal row.
 HWY_INLINE Rows measure(const ContactTask& task) {
   ContactOctet& o = *task.octet;
-  Pack pose[25];
-  gs::load_transposed(task.pose, 25, pose, read(task));
+  Pack pose[25], x[6];
+  if (task.bodies) {
+    for (int i = 0; i < 25; ++i) pose[i] = load(task.bodies->pose[i]);
+    for (int i = 0; i < 6; ++i) x[i] = load(task.bodies->velocity[i]);
+  } else {
+    gs::load_transposed(task.pose, 25, pose, read(task));
+    gs::load_transposed(task.x, 6, x, read(task));
+  }
   const Vector3 normal = load3(o.normal), point = load3(o.point);
   const Vector3 local = transposed_times(matrix(pose + 7), normal);
   store3(transposed_times(matrix(pose + 16), cross(point, local)), o.rate_normal);
-  Vector3 v, w;
-  Rows u = velocity(task, v, w);
+  Rows u = along_tangents(o, vector(x), vector(x + 3));
   u.n = (dot(normal, vector(pose)) + dot(local, point) - load(o.offset) - load(o.radius)) * Pack(1 / task.dt);
   return u;
 }
@@ -243,8 +243,10 @@ void RightHandSide(const ContactTask& task) {
 void Recover(const ContactTask& task) {
   ContactOctet& o = *task.octet;
   const Keeper keep(task.used);  // the next right-hand side reads these changes, and may be of other contacts
-  Vector3 v, w;
-  Rows du = velocity(task, v, w);
+  Pack dx[6];
+  gs::load_transposed(task.x, 6, dx, read(task));
+  const Vector3 v = vector(dx), w = vector(dx + 3);
+  Rows du = along_tangents(o, v, w);
   du.n = dot(load3(o.normal), v) + dot(load3(o.rate_normal), w);
   Pack psi = friction(o) * load(o.ratio[0]) * du.n;
   for (int i = 0; i < facets; ++i) psi -= load(o.ratio[1 + i]) * along(du, i);
@@ -288,6 +290,21 @@ void Accept(const ContactTask& task) {
   }
 }
 
+ContactKernels Contacts() {
+  return {.remember = Remember,
+          .restore = Restore,
+          .start_warm = StartWarm,
+          .start_cold = StartCold,
+          .evaluate = Evaluate,
+          .natural_error = NaturalError,
+          .condense = Condense,
+          .right_hand_side = RightHandSide,
+          .recover = Recover,
+          .boundary_ratio = BoundaryRatio,
+          .complementarity = Complementarity,
+          .accept = Accept};
+}
+
 }  // namespace
 }  // namespace physics::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -295,37 +312,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace physics {
 
-HWY_EXPORT(Remember);
-HWY_EXPORT(Restore);
-HWY_EXPORT(StartWarm);
-HWY_EXPORT(StartCold);
-HWY_EXPORT(Evaluate);
-HWY_EXPORT(NaturalError);
-HWY_EXPORT(Condense);
-HWY_EXPORT(RightHandSide);
-HWY_EXPORT(Recover);
-HWY_EXPORT(BoundaryRatio);
-HWY_EXPORT(Complementarity);
-HWY_EXPORT(Accept);
+HWY_EXPORT(Contacts);
 
-namespace contact_kernels {
-
-void remember(const ContactTask& task, double factor, const double* const* geometry) {
-  HWY_DYNAMIC_DISPATCH(Remember)(task, factor, geometry);
+ContactKernels contact_kernels() {
+  (void)graphsolve::simd::instruction_set();  // chosen now, if it was not yet
+  return HWY_DYNAMIC_DISPATCH(Contacts)();
 }
-void restore(const ContactTask& task) { HWY_DYNAMIC_DISPATCH(Restore)(task); }
-void start_warm(const ContactTask& task) { HWY_DYNAMIC_DISPATCH(StartWarm)(task); }
-void start_cold(const ContactTask& task, double velocity) { HWY_DYNAMIC_DISPATCH(StartCold)(task, velocity); }
-void evaluate(const ContactTask& task) { HWY_DYNAMIC_DISPATCH(Evaluate)(task); }
-void natural_error(ContactTask& task) { HWY_DYNAMIC_DISPATCH(NaturalError)(task); }
-void condense(const ContactTask& task) { HWY_DYNAMIC_DISPATCH(Condense)(task); }
-void right_hand_side(const ContactTask& task) { HWY_DYNAMIC_DISPATCH(RightHandSide)(task); }
-void recover(const ContactTask& task) { HWY_DYNAMIC_DISPATCH(Recover)(task); }
-void boundary_ratio(ContactTask& task) { HWY_DYNAMIC_DISPATCH(BoundaryRatio)(task); }
-void complementarity(ContactTask& task) { HWY_DYNAMIC_DISPATCH(Complementarity)(task); }
-void accept(const ContactTask& task) { HWY_DYNAMIC_DISPATCH(Accept)(task); }
-
-}  // namespace contact_kernels
 
 }  // namespace physics
 #endif

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "graphsolve/simd/lane_blocks.hpp"
+#include "simd/body_kernels.hpp"
 #include "simd/octet.hpp"
 
 namespace physics {
@@ -30,6 +31,7 @@ struct ContactTask {
   bool one_body;            ///< all on the same one
   double dt;
   const double* pose[8];    ///< Pose
+  const BodyAtOctet* bodies = nullptr;  ///< all of them instead, with their velocities, where they lie in the same lanes
   const double* x[8];       ///< v, w of the body, or their change
   double* rows[8];          ///< 6 of the body
   double* values;           ///< of the matrix
@@ -38,22 +40,22 @@ struct ContactTask {
   Octet out, also_out;      ///< results by lane
 };
 
-namespace contact_kernels {
-
-/// Takes up the geometry and makes levers at the poses of the task; impulses times factor are remembered.
-void remember(const ContactTask& task, double factor, const double* const* geometry);
-void restore(const ContactTask& task);
-void start_warm(const ContactTask& task);       ///< first: mu; second: scale
-void start_cold(const ContactTask& task, double velocity);  ///< second: scale
-void evaluate(const ContactTask& task);         ///< rows -= J1^T f
-void natural_error(ContactTask& task);          ///< second: scale; out: error, also_out: largest product
-void condense(const ContactTask& task);         ///< first: largest ratio; block += J1^T K J2
-void right_hand_side(const ContactTask& task);  ///< first: mu; second: correction; rows += J1^T f0
-void recover(const ContactTask& task);
-void boundary_ratio(ContactTask& task);         ///< out
-void complementarity(ContactTask& task);        ///< first: alpha; out
-void accept(const ContactTask& task);           ///< first: alpha
-
-}  // namespace contact_kernels
+struct ContactKernels {
+  /// Takes up the geometry and makes levers at the poses of the task; impulses times factor are remembered.
+  void (*remember)(const ContactTask&, double factor, const double* const* geometry);
+  void (*restore)(const ContactTask&);
+  void (*start_warm)(const ContactTask&);                  ///< first: mu; second: scale
+  void (*start_cold)(const ContactTask&, double velocity); ///< second: scale
+  void (*evaluate)(const ContactTask&);                    ///< rows -= J1^T f
+  void (*natural_error)(ContactTask&);                     ///< second: scale; out: error, also_out: largest product
+  void (*condense)(const ContactTask&);                    ///< first: largest ratio; block += J1^T K J2
+  void (*right_hand_side)(const ContactTask&);             ///< first: mu; second: correction; rows += J1^T f0
+  void (*recover)(const ContactTask&);
+  void (*boundary_ratio)(ContactTask&);                    ///< out
+  void (*complementarity)(ContactTask&);                   ///< first: alpha; out
+  void (*accept)(const ContactTask&);                      ///< first: alpha
+};
+/// For the instruction set in use.
+ContactKernels contact_kernels();
 
 }  // namespace physics

@@ -1,10 +1,14 @@
 #include "simd/joint_kernels.hpp"
 
+#include <numbers>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "simd/joint_kernels.cpp"
 #include "graphsolve/simd/targets.hpp"
 // Compiles the rest of this file once per instruction set.
 #include <hwy/foreach_target.h>
+
+#include <hwy/contrib/math/math-inl.h>
 
 #include "simd/algebra-inl.hpp"
 
@@ -20,9 +24,13 @@ struct Place {  ///< a Pose
   Matrix3 rotation, turn;
 };
 
-HWY_INLINE Place load_place(const double* const* from, unsigned used) {
+HWY_INLINE Place load_place(const double* const* from, const BodyAtOctet* all, unsigned used) {
   Pack p[25];
-  gs::load_transposed(from, 25, p, used);
+  if (all) {
+    for (int i = 0; i < 25; ++i) p[i] = load(all->pose[i]);
+  } else {
+    gs::load_transposed(from, 25, p, used);
+  }
   return {vector(p), {vector(p + 3), p[6]}, matrix(p + 7), matrix(p + 16)};
 }
 
@@ -42,6 +50,17 @@ HWY_INLINE Vector3 row(const Matrix3& m, int i) {
   return i == 0 ? Vector3{m.c0.x, m.c1.x, m.c2.x} : i == 1 ? Vector3{m.c0.y, m.c1.y, m.c2.y} : Vector3{m.c0.z, m.c1.z, m.c2.z};
 }
 
+HWY_INLINE Pack atan(const Pack& a) {
+  Pack r;
+  for (int i = 0; i < Pack::parts; ++i) r.part[i] = hwy::HWY_NAMESPACE::Atan(Pack::Tag(), a.part[i]);
+  return r;
+}
+HWY_INLINE Pack round(const Pack& a) {
+  Pack r;
+  for (int i = 0; i < Pack::parts; ++i) r.part[i] = hwy::HWY_NAMESPACE::Round(a.part[i]);
+  return r;
+}
+
 /// A pack of joints between two poses.
 template <JointRows Rows>
 struct Joint {
@@ -53,7 +72,7 @@ struct Joint {
   Matrix3 offset;
 
   HWY_INLINE Joint(const JointTask& task)
-      : constants(*task.octet), a(load_place(task.parent, task.used)), b(load_place(task.child, task.used)),
+      : constants(*task.octet), a(load_place(task.parent, task.parents, task.used)), b(load_place(task.child, task.children, task.used)),
         child_point(load3(constants.child_point)) {
     if constexpr (K::rotations > 0) {
       const Quaternion rest{load3(constants.orientation), load(constants.orientation[3])};
@@ -70,6 +89,13 @@ struct Joint {
   }
   /// From the parent's centre to the child's joint point, parent frame.
   HWY_INLINE Vector3 arm() const { return transposed_times(a.rotation, b.x + b.rotation * child_point - a.x); }
+
+  /// Of the motor: along the slide, or about the hinge.
+  HWY_INLINE Pack coordinate() const {
+    const Vector3 axis = load3(constants.axis);
+    if constexpr (K::slides) return dot(axis, arm() - load3(constants.parent_point));
+    else return Pack(2.0) * atan(dot(axis, e.v) / e.w);  // e.w >= 0
+  }
 
   HWY_INLINE void violation(Pack* g) const {
     const Vector3 parent_point = load3(constants.parent_point);
@@ -171,23 +197,55 @@ HWY_INLINE void write(const JointTask& task, const Pack* derivative, const Octet
   gs::add_blocks(block, 6 * Rows, task.values, across, task.used, -1.0);
 }
 
+/// (lambda - impulse_time * effort) * diagonal, an angle or a distance. Where the effort is at its limit it no longer
+/// answers to the velocity: the last row of the derivatives vanishes.
+template <JointRows Rows>
+HWY_INLINE Pack motor(const JointTask& task, const Joint<Rows>& joint, const Pack& lambda, Pack* child, Pack* parent,
+                      Pack& diagonal) {
+  MotorOctet& m = *task.motor;
+  const Pack before = load(m.coordinate), limit = load(m.limit), dt(task.dt);
+  Pack change = joint.coordinate() - before;
+  if constexpr (Joint<Rows>::K::hinge) {  // follows full turns
+    constexpr double turn = 2 * std::numbers::pi;
+    change -= Pack(turn) * round(change * Pack(1 / turn));
+  }
+  const Pack next = before + change, stiffness = load(m.stiffness), damping = load(m.damping);
+  const Pack wanted = stiffness * (load(m.target) - next) - damping * change / dt;
+  const Mask limited = !(gs::abs(wanted) < limit), used = lanes_of(task.used);
+  const Pack effort = gs::select(limited, gs::select(wanted < Pack(0.0), -limit, limit), wanted), time = load(m.impulse_time);
+  store(gs::select(used, next, load(m.next_coordinate)), m.next_coordinate);
+  store(gs::select(used, gs::select(limited, Pack(1.0), Pack(0.0)), load(m.limited)), m.limited);
+  for (int k = 0; child && k < 6; ++k) {
+    child[30 + k] = gs::select(limited, Pack(0.0), child[30 + k]);
+    parent[30 + k] = gs::select(limited, Pack(0.0), parent[30 + k]);
+  }
+  diagonal = Pack(1.0) / (time * (stiffness * dt + damping));
+  return (lambda - time * effort) * diagonal;
+}
+
 template <JointRows Rows>
 HWY_INLINE void evaluate(const JointTask& task) {
   using K = Kind<Rows>;
   const unsigned used = task.used;
   const Joint<Rows> joint(task);
-  Pack g[K::constraints], impulses[K::rows], wrenches[12];
+  Pack g[K::rows], impulses[K::rows], wrenches[12], child[6 * K::rows], parent[6 * K::rows];
   joint.violation(g);
   const Pack rate(1 / task.dt);
-  for (Pack& row : g) row *= rate;
-  gs::add_transposed(g, K::constraints, task.residual, used, 1.0);
+  for (int i = 0; i < K::constraints; ++i) g[i] *= rate;
   gs::load_transposed(task.impulses, K::rows, impulses, used);
+  if (task.values) joint.template derivative<true>(child, parent);
+  if constexpr (K::motor) {
+    Pack diagonal;
+    g[5] = task.values ? motor(task, joint, impulses[5], child, parent, diagonal)
+                       : motor(task, joint, impulses[5], nullptr, nullptr, diagonal);
+    if (task.values)
+      gs::add_entries(&diagonal, 1, [](int) HWY_ATTR { return 35; }, task.values, task.blocks->own, used, 1.0);
+  }
+  gs::add_transposed(g, K::rows, task.residual, used, 1.0);
   push<K::rows>(task.octet->child_force, impulses, wrenches);
   push<K::rows>(task.octet->parent_force, impulses, wrenches + 6);
   gs::store_transposed(wrenches, 12, task.wrenches, used);
   if (!task.values) return;
-  Pack child[6 * K::rows], parent[6 * K::rows];
-  joint.template derivative<true>(child, parent);
   write<K::rows>(task, child, task.octet->child_force, task.blocks->to_child, task.blocks->from_child);
   write<K::rows>(task, parent, task.octet->parent_force, task.blocks->to_parent, task.blocks->from_parent);
 }
@@ -205,6 +263,8 @@ HWY_INLINE void evaluate(const JointTask& task) {
 void AimJoints(const JointTask& task) { PHYSICS_BY_JOINT_ROWS(aim, task) }
 void EvaluateJoints(const JointTask& task) { PHYSICS_BY_JOINT_ROWS(evaluate, task) }
 
+JointKernels Kernels() { return {.aim = AimJoints, .evaluate = EvaluateJoints}; }
+
 }  // namespace
 }  // namespace physics::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -212,11 +272,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace physics {
 
-HWY_EXPORT(AimJoints);
-HWY_EXPORT(EvaluateJoints);
+HWY_EXPORT(Kernels);
 
-void aim_joints(const JointTask& task) { HWY_DYNAMIC_DISPATCH(AimJoints)(task); }
-void evaluate_joints(const JointTask& task) { HWY_DYNAMIC_DISPATCH(EvaluateJoints)(task); }
+JointKernels joint_kernels() {
+  (void)graphsolve::simd::instruction_set();  // chosen now, if it was not yet
+  return HWY_DYNAMIC_DISPATCH(Kernels)();
+}
 
 }  // namespace physics
 #endif

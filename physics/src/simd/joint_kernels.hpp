@@ -1,6 +1,7 @@
 #pragma once
 
 #include "graphsolve/simd/lane_blocks.hpp"
+#include "simd/body_kernels.hpp"
 #include "simd/octet.hpp"
 
 namespace physics {
@@ -25,18 +26,29 @@ struct JointOctet {
   Octet child_force[36], parent_force[36];
 };
 
-/// Blocks (joint, body) and (body, joint) of eight joints; none where the body is the world.
+/// The motors of eight joints: spring and damper towards a target, with a limit.
+struct MotorOctet {
+  Octet stiffness, damping, limit;
+  Octet target, coordinate;  ///< where the step shall end, and where it starts
+  Octet impulse_time;        ///< impulse over force [s]
+  Octet next_coordinate;     ///< out: at the last point evaluated
+  Octet limited;             ///< out: 1 where the effort is at its limit there
+};
+
+/// Own blocks, and blocks (joint, body) and (body, joint) of eight joints; none where the body is the world.
 struct JointBlocks {
-  graphsolve::simd::LaneBlocks to_child, to_parent, from_child, from_parent;
+  graphsolve::simd::LaneBlocks own, to_child, to_parent, from_child, from_parent;
 };
 
 /// Eight joints or fewer: bit per lane in `used`; the other lanes point where a used one does and write nothing.
 struct JointTask {
   JointRows rows;
   JointOctet* octet;
+  MotorOctet* motor;                   ///< of rows with a motor
   unsigned used;
   double dt;
   const double *parent[8], *child[8];  ///< Pose
+  const BodyAtOctet *parents = nullptr, *children = nullptr;  ///< all of them instead, where they lie in the same lanes
   const double* impulses[8];           ///< one per row
   double* residual[8];                 ///< of the joint's own rows
   double* wrenches[8];                 ///< out, 12: force^T impulses on the child, on the parent
@@ -44,9 +56,11 @@ struct JointTask {
   const JointBlocks* blocks;
 };
 
-/// Force directions at the poses of the task.
-void aim_joints(const JointTask& task);
-/// Residual of the constraint rows, wrenches, and blocks: Joints says which. Of a motor only its directions.
-void evaluate_joints(const JointTask& task);
+struct JointKernels {
+  void (*aim)(const JointTask&);       ///< force directions at the poses of the task
+  void (*evaluate)(const JointTask&);  ///< residual, wrenches, and blocks: Joints says which
+};
+/// For the instruction set in use.
+JointKernels joint_kernels();
 
 }  // namespace physics
