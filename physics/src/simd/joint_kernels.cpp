@@ -24,14 +24,23 @@ struct Place {  ///< a Pose
   Matrix3 rotation, turn;
 };
 
-HWY_INLINE Place load_place(const double* const* from, const BodyAtOctet* all, unsigned used) {
-  Pack p[25];
+/// Part by part: a copy of the whole would be slow.
+HWY_INLINE void load_place(const double* const* from, const BodyAtOctet* all, unsigned used, Place& to) {
   if (all) {
-    for (int i = 0; i < 25; ++i) p[i] = load(all->pose[i]);
-  } else {
-    gs::load_transposed(from, 25, p, used);
+    to.x = load3(all->pose);
+    to.q.v = load3(all->pose + 3);
+    to.q.w = load(all->pose[6]);
+    to.rotation = load33(all->pose + 7);
+    to.turn = load33(all->pose + 16);
+    return;
   }
-  return {vector(p), {vector(p + 3), p[6]}, matrix(p + 7), matrix(p + 16)};
+  Pack p[25];
+  gs::load_transposed(from, 25, p, used);
+  to.x = vector(p);
+  to.q.v = vector(p + 3);
+  to.q.w = p[6];
+  to.rotation = matrix(p + 7);
+  to.turn = matrix(p + 16);
 }
 
 template <JointRows Rows>
@@ -72,8 +81,9 @@ struct Joint {
   Matrix3 offset;
 
   HWY_INLINE Joint(const JointTask& task)
-      : constants(*task.octet), a(load_place(task.parent, task.parents, task.used)), b(load_place(task.child, task.children, task.used)),
-        child_point(load3(constants.child_point)) {
+      : constants(*task.octet), child_point(load3(constants.child_point)) {
+    load_place(task.parent, task.parents, task.used, a);
+    load_place(task.child, task.children, task.used, b);
     if constexpr (K::rotations > 0) {
       const Quaternion rest{load3(constants.orientation), load(constants.orientation[3])};
       e = conjugate(a.q) * b.q * conjugate(rest);
