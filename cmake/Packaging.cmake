@@ -2,7 +2,8 @@
 # and with BUILD_SHARED_LIBS libgraphsolve<version> with the shared libraries.
 set(CPACK_PACKAGE_NAME graphsolve)
 set(CPACK_PACKAGE_VENDOR "The graphsolve developers")
-set(CPACK_PACKAGE_CONTACT "The graphsolve developers <graphsolve@example.org>")
+# Whoever builds packages for others answers for them: -D CPACK_PACKAGE_CONTACT="Name <address>".
+set(CPACK_PACKAGE_CONTACT "The graphsolve developers <graphsolve@example.org>" CACHE STRING "Maintainer of the packages")
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
