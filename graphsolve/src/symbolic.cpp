@@ -1,7 +1,6 @@
 #include "graphsolve/symbolic.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <stdexcept>
 #include <string>
 
@@ -51,9 +50,7 @@ Symbolic::Symbolic(const BlockGraph& graph, const Ordering& ordering, Packs pack
   for (const auto& step : program_->steps()) {
     const Pivot& p = pivots_[step.pack < 0 ? step.pivot : program_->pack(step.pack).pivot[0]];
     const std::int64_t d = p.dimension, m = p.coupled_rows;
-    // An LDU leaves rows that may depend to the elimination one by one.
-    const bool alone = step.pack >= 0 && program_->shape(program_->pack(step.pack)).uncertain;
-    counts_.pack_operations += (alone ? std::popcount(program_->pack(step.pack).used) : 1) * (lu_operations(d) + d * m * (d + m));
+    counts_.pack_operations += lu_operations(d) + d * m * (d + m);
     counts_.symmetric_pack_operations += ldlt_operations(d) + d * m * d + d * m * (m + 1) / 2;
   }
   count_memory();
