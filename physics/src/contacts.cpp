@@ -91,7 +91,7 @@ Contacts::Reach Contacts::prepare(int lane, std::span<const double> velocity, co
   Reach reach;
   const double fall = 2 * step.gravity.norm() * step.dt;
   int body = -1;
-  Vec3 v, w;  // of the body, world
+  Vec3 v = Vec3::Zero(), w = Vec3::Zero();  // of the body, world
   each_entry(lane, [&](Entry& entry) {
     entry.loaded = entry.active;
     entry.turned = false;

@@ -6,7 +6,7 @@
 
 #include "factorization_cases.hpp"
 #include "graphsolve/factorization.hpp"
-#include "graphsolve/simd/lanes.hpp"
+#include "graphsolve/simd/lane_blocks.hpp"
 
 using namespace graphsolve;
 using cases::right_hand_side;
@@ -176,6 +176,52 @@ TEST(Packs, ComponentFactoredAgainLeavesTheOthersUsable) {
   Eigen::VectorXd after = right_hand_side(graph.rows());
   f.solve(view(after));
   EXPECT_EQ(before, after);
+}
+
+TEST(Packs, EqualComponentsLieLaneByLaneSideBySide) {
+  const auto symbolic = symbolic_of(copies(8));
+  const int pivots = symbolic->component_begin(1);
+  for (int c = 0; c < 8; ++c)
+    for (int k = 0; k < pivots; ++k) {
+      const Symbolic::Pivot &first = symbolic->pivot(k), &p = symbolic->pivot(symbolic->component_begin(c) + k);
+      ASSERT_EQ(p.stride, 8);
+      ASSERT_EQ(p.diagonal, first.diagonal + c);
+      ASSERT_EQ(first.diagonal % 8, 0);
+    }
+  EXPECT_EQ(symbolic->values_size(), symbolic->counts().stored_scalars);
+}
+
+/// What a pivot changes first is its parent: most of them change the same lane of another pack.
+TEST(Packs, LanesOfALongChainFollowItsTree) {
+  const BlockGraph graph = families::chain(200);
+  const Symbolic symbolic(graph, wide_ordering(graph));
+  int wide = 0, following = 0;
+  for (int k = 0; k < symbolic.pivots(); ++k) {
+    const Symbolic::Pivot& p = symbolic.pivot(k);
+    if (p.stride != 8 || p.parent < 0) continue;
+    const Symbolic::Pivot& parent = symbolic.pivot(p.parent);
+    ++wide;
+    following += parent.stride == 8 && parent.diagonal % 8 == p.diagonal % 8;
+  }
+  EXPECT_GT(wide, symbolic.pivots() * 3 / 4);
+  EXPECT_GT(following, wide * 3 / 4);
+}
+
+TEST(Packs, LanesThatLieSideBySideAreFound) {
+  const auto together = [](std::initializer_list<BlockHandle> of_lane) {
+    simd::LaneBlocks blocks;
+    int lane = 0;
+    for (const BlockHandle& block : of_lane) blocks.set(lane++, block);
+    blocks.finish();
+    return blocks.together();
+  };
+  const auto in = [](std::int64_t pack, int stride, int lane) { return BlockHandle{pack + lane, 2, 2, stride}; };
+  EXPECT_EQ(together({in(64, 8, 0), in(64, 8, 1), in(64, 8, 2), in(64, 8, 3), in(64, 8, 4)}), 8) << "the rest is empty";
+  EXPECT_EQ(together({in(64, 4, 0), in(64, 4, 1), in(64, 4, 2), in(64, 4, 3), in(128, 4, 0), in(128, 4, 1)}), 4);
+  EXPECT_EQ(together({in(64, 2, 0), in(64, 2, 1), in(96, 2, 0), in(96, 2, 1)}), 2);
+  EXPECT_EQ(together({in(64, 8, 1), in(64, 8, 0)}), 1) << "lanes that are exchanged";
+  EXPECT_EQ(together({in(64, 1, 0), in(64, 1, 0)}), 1) << "two lanes of one block";
+  EXPECT_EQ(together({in(64, 4, 0), in(64, 4, 1)}), 4);
 }
 
 TEST(Packs, InstructionSetsAreNamedAndOneThatIsNotThereIsRefused) {

@@ -8,7 +8,7 @@
 
 #include <limits>
 
-#include "graphsolve/simd/pack-inl.hpp"
+#include "graphsolve/simd/pack_memory-inl.hpp"
 #include "simd/pivot_kernels.hpp"
 
 /// Dense blocks of packs: L blocks of one shape at once, column-major, scalar i of lane l at [i L + l]. D: their
@@ -24,6 +24,13 @@ constexpr double least_rest = 1e-13;
 /// Columns of a panel that are worked on at once: as many as the registers hold.
 template <int L>
 inline constexpr int columns_at_once = PackOf<L>::parts == 1 ? 2 : 1;
+
+template <int D, int L>
+HWY_INLINE void load_diagonal(const double* from, PackOf<L>* to, int d_) {
+  const int d = D ? D : d_;
+#pragma GCC unroll 36
+  for (int i = 0; i < d * d; ++i) to[i] = load<L>(from + i * L);
+}
 
 /// LU in place, column-major, reciprocals of the pivots on the diagonal. Lanes that should have been pivoted.
 template <int D, int L>

@@ -151,12 +151,6 @@ HWY_INLINE void update_block(const PackJob& job, const Between& at, const double
 }
 
 template <int D, int L>
-HWY_INLINE void load_diagonal(const double* from, PackOf<L>* to, int d_) {
-  const int d = D ? D : d_;
-#pragma GCC unroll 36
-  for (int i = 0; i < d * d; ++i) to[i] = load<L>(from + i * L);
-}
-template <int D, int L>
 HWY_INLINE void store_diagonal(const PackOf<L>* from, double* to, int d_) {
   const int d = D ? D : d_;
 #pragma GCC unroll 36

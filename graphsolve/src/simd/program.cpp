@@ -83,11 +83,10 @@ void Program::find_shapes(const Symbolic& s) {
     const auto [found, is_new] = number.try_emplace(key, static_cast<int>(shapes_.size()));
     shape_of_[k] = found->second;
     if (!is_new) continue;
-    Shape shape{p.dimension, p.coupled_rows, p.saddle, p.may_depend, {}, {}, p.may_depend};
+    Shape shape{p.dimension, p.coupled_rows, p.saddle, p.may_depend, {}, {}};
     for (const int later : s.coupled(k)) {
       shape.coupled.push_back(s.dimension(later));
       shape.coupled_may.push_back(s.may_depend(later) ? 1 : 0);
-      shape.uncertain |= s.may_depend(later);
     }
     shapes_.push_back(std::move(shape));
   }

@@ -27,7 +27,6 @@ struct Shape {
   bool may_depend;
   std::vector<int> coupled;       ///< dimensions of the coupled blocks
   std::vector<char> coupled_may;  ///< may their rows depend?
-  bool uncertain;                 ///< may any rows, its own or those of coupled blocks?
   [[nodiscard]] int couplings() const { return static_cast<int>(coupled.size()); }
   /// Scalars of the factor: D, L, U, one block after the other.
   [[nodiscard]] int size() const { return dimension * (dimension + 2 * coupled_rows); }

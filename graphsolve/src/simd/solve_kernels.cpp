@@ -22,13 +22,6 @@ HWY_INLINE void point_at(const PackSolve& job, int block, double** place) {
   point_at<L>(job, job.x, block, place);
 }
 
-template <int D, int L>
-HWY_INLINE void load_diagonal(const double* from, PackOf<L>* to, int d_) {
-  const int d = D ? D : d_;
-#pragma GCC unroll 36
-  for (int i = 0; i < d * d; ++i) to[i] = load<L>(from + i * L);
-}
-
 /// The coupled rows of `to` += sign t. If pivots share couplings, lane after lane, as if they went one after the other.
 template <int L, class Job>
 HWY_INLINE void add_coupled(const Job& job, const PackOf<L>* t, double* to, double sign) {

@@ -6,7 +6,7 @@
 #define PHYSICS_SIMD_ALGEBRA_INL_HPP_
 #endif
 
-#include "graphsolve/simd/pack-inl.hpp"
+#include "graphsolve/simd/pack_memory-inl.hpp"
 #include "simd/octet.hpp"
 
 /// Vectors, rotations and quaternions of eight problems at once: just what bodies, joints and contacts need of them.
