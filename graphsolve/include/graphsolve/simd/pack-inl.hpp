@@ -32,7 +32,7 @@ struct PackOf {
   }
 
 #define GRAPHSOLVE_PACK_BINARY(name, operation)                                       \
-  friend HWY_INLINE PackOf name(const PackOf& a, const PackOf& b) {                   \
+  friend HWY_INLINE HWY_ATTR PackOf name(const PackOf& a, const PackOf& b) {                   \
     PackOf r;                                                                         \
     for (int i = 0; i < parts; ++i) r.part[i] = hn::operation(a.part[i], b.part[i]);  \
     return r;                                                                         \
@@ -43,14 +43,14 @@ struct PackOf {
   GRAPHSOLVE_PACK_BINARY(operator/, Div)
 #undef GRAPHSOLVE_PACK_BINARY
 
-  friend HWY_INLINE PackOf operator-(const PackOf& a) {
+  friend HWY_INLINE HWY_ATTR PackOf operator-(const PackOf& a) {
     PackOf r;
     for (int i = 0; i < parts; ++i) r.part[i] = hn::Neg(a.part[i]);
     return r;
   }
-  friend HWY_INLINE PackOf& operator+=(PackOf& a, const PackOf& b) { return a = a + b; }
-  friend HWY_INLINE PackOf& operator-=(PackOf& a, const PackOf& b) { return a = a - b; }
-  friend HWY_INLINE PackOf& operator*=(PackOf& a, const PackOf& b) { return a = a * b; }
+  friend HWY_INLINE HWY_ATTR PackOf& operator+=(PackOf& a, const PackOf& b) { return a = a + b; }
+  friend HWY_INLINE HWY_ATTR PackOf& operator-=(PackOf& a, const PackOf& b) { return a = a - b; }
+  friend HWY_INLINE HWY_ATTR PackOf& operator*=(PackOf& a, const PackOf& b) { return a = a * b; }
 };
 
 #define GRAPHSOLVE_PACK_FUNCTION(name, operation)                                                             \
@@ -96,17 +96,17 @@ struct MaskOf {
   static constexpr int parts = PackOf<L>::parts;
   Value part[parts];
 
-  friend HWY_INLINE MaskOf operator&(const MaskOf& a, const MaskOf& b) {
+  friend HWY_INLINE HWY_ATTR MaskOf operator&(const MaskOf& a, const MaskOf& b) {
     MaskOf r;
     for (int i = 0; i < parts; ++i) r.part[i] = hn::And(a.part[i], b.part[i]);
     return r;
   }
-  friend HWY_INLINE MaskOf operator|(const MaskOf& a, const MaskOf& b) {
+  friend HWY_INLINE HWY_ATTR MaskOf operator|(const MaskOf& a, const MaskOf& b) {
     MaskOf r;
     for (int i = 0; i < parts; ++i) r.part[i] = hn::Or(a.part[i], b.part[i]);
     return r;
   }
-  friend HWY_INLINE MaskOf operator!(const MaskOf& a) {
+  friend HWY_INLINE HWY_ATTR MaskOf operator!(const MaskOf& a) {
     MaskOf r;
     for (int i = 0; i < parts; ++i) r.part[i] = hn::Not(a.part[i]);
     return r;
