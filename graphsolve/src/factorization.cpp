@@ -86,18 +86,6 @@ Factorization Factorization::twin() const {
   return other;
 }
 
-void Factorization::set_zero() { std::fill(values_.begin(), values_.end(), 0.0); }
-
-void Factorization::set_zero(std::span<const int> components) {
-  set_active(components);
-  each_extent([&](std::int64_t begin, std::int64_t end) { std::fill(values_.begin() + begin, values_.begin() + end, 0.0); },
-              [&](int k) {
-                const Symbolic::Pivot& p = symbolic_->pivot(k);
-                double* to = values_.data() + p.diagonal;
-                for (std::int64_t i = 0; i < p.scalars(); ++i) to[i * p.stride] = 0;
-              });
-}
-
 void Factorization::allow_refinement() {
   matrix_.assign(values_.size(), 0.0);
   residual_.assign(symbolic_->rows(), 0.0);
@@ -155,7 +143,7 @@ void Factorization::keep() {
   const Symbolic& s = *symbolic_;
   double largest = 0;
   each_extent(
-      [&](std::int64_t begin, std::int64_t end) {
+      [&](std::size_t, std::int64_t begin, std::int64_t end) {
         for (auto i = begin; i < end; ++i) {
           matrix_[i] = values_[i];
           largest = std::max(largest, std::abs(values_[i]));

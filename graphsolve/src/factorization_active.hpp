@@ -12,7 +12,7 @@ void Factorization::each_active_pivot(F&& f) const {
     for (int k = symbolic_->component_begin(c); k < symbolic_->component_begin(c + 1); ++k) f(k);
 }
 
-/// whole(begin, end) for ranges of the values of which everything takes part, of_pivot(k) elsewhere.
+/// whole(group, begin, end) for ranges of the values of which everything takes part, of_pivot(k) elsewhere.
 template <class Whole, class OfPivot>
 void Factorization::each_extent(Whole&& whole, OfPivot&& of_pivot) const {
   const Symbolic& s = *symbolic_;
@@ -20,7 +20,7 @@ void Factorization::each_extent(Whole&& whole, OfPivot&& of_pivot) const {
   for (std::size_t g = 0; g < groups.size(); ++g) {
     if (lanes_[g] == 0) continue;
     if (lanes_[g] == (1u << groups[g].copies) - 1) {
-      whole(groups[g].begin, groups[g].end);
+      whole(g, groups[g].begin, groups[g].end);
       continue;
     }
     for (int c = 0; c < groups[g].copies; ++c) {

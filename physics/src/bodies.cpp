@@ -12,7 +12,7 @@ void Bodies::wire(const graphsolve::Wiring& wiring) {
   std::vector<Placed> placed;
   for (int i = 0; i < size(); ++i) {
     row[i] = wiring.row(node_[i]);
-    placed.push_back({0, wiring.block(node_[i], node_[i])});
+    placed.push_back({0, wiring.claim(node_[i], node_[i])});
   }
   place_ = places_in_octets(placed);
   const int octets = octets_for(1 + *std::max_element(place_.begin(), place_.end()));

@@ -105,8 +105,8 @@ void Joints::wire(const graphsolve::Wiring& wiring) {
       if (body < 0) return;
       own_block = wiring.block(bodies_.node(body), bodies_.node(body));
       row = wiring.row(bodies_.node(body));
-      to = wiring.block(own, bodies_.node(body));
-      from = wiring.block(bodies_.node(body), own);
+      to = wiring.claim(own, bodies_.node(body));
+      from = wiring.claim(bodies_.node(body), own);
     };
     connect(joint.geometry.parent, joint.parent_row, joint.to_parent, joint.from_parent, joint.parent_own);
     connect(joint.geometry.child, joint.child_row, joint.to_child, joint.from_child, joint.child_own);

@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <memory>
+#include <numeric>
 #include <random>
+#include <stdexcept>
 
 #include "factorization_cases.hpp"
 #include "graphsolve/factorization.hpp"
@@ -205,6 +208,39 @@ TEST(Packs, LanesOfALongChainFollowItsTree) {
   }
   EXPECT_GT(wide, symbolic.pivots() * 3 / 4);
   EXPECT_GT(following, wide * 3 / 4);
+}
+
+/// Zeroing leaves claimed blocks alone where all components are zeroed together, and nothing else ever.
+TEST(Packs, OnlyBlocksThatAreClaimedInAllLanesAreLeftUnzeroed) {
+  const BlockGraph graph = copies(8);
+  const auto symbolic = symbolic_of(graph);
+  const Symbolic& s = *symbolic;
+  const auto diagonal = [&](int pivot) { return s.block(s.node(pivot), s.node(pivot)); };
+  std::vector<BlockHandle> claimed;
+  for (int c = 0; c < 8; ++c) {
+    claimed.push_back(diagonal(s.component_begin(c)));
+    if (c != 5) claimed.push_back(diagonal(s.component_begin(c) + 1));  // lane 5 of this pack does not
+  }
+  Factorization f(symbolic);
+  f.leave_unzeroed(claimed);
+  std::vector<int> everything(8), some{1, 6};
+  std::iota(everything.begin(), everything.end(), 0);
+  std::ranges::fill(f.values(), 3.0);
+  f.set_zero(everything);
+  std::int64_t left = 0;
+  for (int c = 0; c < 8; ++c) {
+    EXPECT_EQ(f.entry(diagonal(s.component_begin(c))), 3.0) << "copy " << c;
+    left += static_cast<std::int64_t>(s.dimension(s.component_begin(c))) * s.dimension(s.component_begin(c));
+  }
+  EXPECT_EQ(std::ranges::count(f.values(), 3.0), left);
+  // A few alone: their lanes are zeroed whatever was claimed, the others' are not touched.
+  std::ranges::fill(f.values(), 3.0);
+  f.set_zero(some);
+  for (int c = 0; c < 8; ++c)
+    for (int k = s.component_begin(c); k < s.component_begin(c + 1); ++k)
+      EXPECT_EQ(f.entry(diagonal(k)), c == 1 || c == 6 ? 0.0 : 3.0) << "copy " << c;
+  claimed.push_back(claimed.front());
+  EXPECT_THROW(f.leave_unzeroed(claimed), std::logic_error);
 }
 
 TEST(Packs, LanesThatLieSideBySideAreFound) {

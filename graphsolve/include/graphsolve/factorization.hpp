@@ -64,6 +64,9 @@ class Factorization {
   }
   void set_zero();
   void set_zero(std::span<const int> components);
+  /// From now on set_zero(components) may leave these blocks as they are: somebody assigns all their entries. Throws
+  /// std::logic_error when one is named twice. Allocates now.
+  void leave_unzeroed(std::span<const BlockHandle> blocks);
 
   /// Makes room for a copy of the matrix, which refine() needs; allocates now.
   void allow_refinement();
@@ -270,6 +273,11 @@ class Factorization {
   bool complete_ = false;
   std::vector<std::uint8_t> packed_;    ///< by pack: lanes whose factor was made together
   AlignedVector scratch_;               ///< of packs
+  struct Range {
+    std::int64_t begin, end;
+  };
+  std::vector<Range> zeroed_;           ///< of the values, ascending; empty: all of them
+  std::vector<int> zeroed_begin_;       ///< by group of the program, into zeroed_
   std::vector<Outcome> outcomes_;       ///< by component
   mutable std::vector<int> active_;     ///< components that take part in this call
   mutable std::vector<std::uint8_t> lanes_;  ///< by group of the program: lanes that do; bit 0 for a component alone

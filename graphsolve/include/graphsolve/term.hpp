@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "graphsolve/block_graph.hpp"
 #include "graphsolve/symbolic.hpp"
@@ -10,15 +11,26 @@ namespace graphsolve {
 /// Hands out, once, the places where a term or a port will read and write.
 class Wiring {
  public:
-  explicit Wiring(const Symbolic& symbolic, const BlockGraph& graph) : symbolic_(symbolic), graph_(graph) {}
+  /// claims: takes up the blocks that are claimed; null where the whole matrix is zeroed before every evaluation.
+  explicit Wiring(const Symbolic& symbolic, const BlockGraph& graph, std::vector<BlockHandle>* claims = nullptr)
+      : symbolic_(symbolic), graph_(graph), claims_(claims) {}
   /// First row of the node in every vector (unknowns, residual).
   [[nodiscard]] int row(NodeId node) const { return graph_.row(node); }
   /// Derivative of the rows of `a` by the unknowns of `b`.
   [[nodiscard]] BlockHandle block(NodeId a, NodeId b) const { return symbolic_.block(a, b); }
+  /// The same, of a term that *assigns* every entry of this block whenever it makes the matrix, before anything is added
+  /// to it: it is not zeroed then, which saves a pass through memory. One claim per block; InteriorPoint throws
+  /// std::logic_error on a second one.
+  [[nodiscard]] BlockHandle claim(NodeId a, NodeId b) const {
+    const BlockHandle handle = block(a, b);
+    if (claims_) claims_->push_back(handle);
+    return handle;
+  }
 
  private:
   const Symbolic& symbolic_;
   const BlockGraph& graph_;
+  std::vector<BlockHandle>* claims_;
 };
 
 /// Instances of a batch that are to be worked on, and what belongs to each of them. Arrays named "by
@@ -48,7 +60,7 @@ class Term {
   /// Called once, before anything else: keep the rows and blocks that are needed.
   virtual void wire(const Wiring& wiring) = 0;
   /// residual += F(x).  With values != nullptr also: the blocks of dF/dx are *added*, entry (i, j) at
-  /// values[handle.place(i, j)].
+  /// values[handle.place(i, j)]; only blocks that were claimed are assigned.
   virtual void evaluate(Instances instances, std::span<const double> x, std::span<double> residual, double* values) = 0;
   /// Lowers alpha (by component) so that x + alpha dx stays where F is defined. Default: no bound.
   virtual void bound_step(Instances, std::span<const double> /*x*/, std::span<const double> /*dx*/,

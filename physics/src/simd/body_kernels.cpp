@@ -48,10 +48,14 @@ void EvaluateBodies(const BodyTask& task) {
 
   if (!task.values) return;
   const Matrix3 turned{cross(w, inertia.c0), cross(w, inertia.c1), cross(w, inertia.c2)};
-  constexpr int entry[12] = {0, 7, 14, 21, 22, 23, 27, 28, 29, 33, 34, 35};  // mass on the diagonal, then the angular block
-  Pack added[12] = {mass, mass, mass};
-  put(half * (s * inertia - outer(jw, w_over_s) + turned - skew(jw)), added + 3);
-  gs::add_entries(added, 12, [&](int i) HWY_ATTR { return entry[i]; }, task.values, *task.blocks, used, 1.0);
+  Pack block[36], angular[9];
+  for (Pack& entry : block) entry = Pack(0.0);
+  put(half * (s * inertia - outer(jw, w_over_s) + turned - skew(jw)), angular);
+  for (int k = 0; k < 3; ++k) {
+    block[7 * k] = mass;
+    for (int i = 0; i < 3; ++i) block[6 * (k + 3) + i + 3] = angular[3 * k + i];
+  }
+  gs::put_blocks<gs::Put::assign>(block, 36, task.values, *task.blocks, used, 1.0);
 }
 
 BodyKernel Kernel() { return EvaluateBodies; }

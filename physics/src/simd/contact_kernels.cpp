@@ -212,7 +212,7 @@ void Condense(const ContactTask& task) {
     const Pack f2 = k20 * a0 + k12 * force[1][c] + k22 * force[2][c];
     for (int r = 0; r < 6; ++r) block[6 * c + r] = force[0][r] * f0 + force[1][r] * f1 + force[2][r] * f2;
   }
-  gs::add_blocks(block, 36, task.values, *task.blocks, task.used, 1.0);
+  gs::put_blocks(block, 36, task.values, *task.blocks, task.used, 1.0);
 }
 
 void RightHandSide(const ContactTask& task) {

@@ -195,16 +195,16 @@ HWY_INLINE void push(const Octet* force, const Pack* impulses, Pack* out) {
   }
 }
 
-/// Blocks (joint, body) += derivative and (body, joint) -= force^T.
+/// Blocks (joint, body) = derivative and (body, joint) = -force^T: these are of this joint alone.
 template <int Rows>
 HWY_INLINE void write(const JointTask& task, const Pack* derivative, const Octet* force, const LaneBlocks& down,
                       const LaneBlocks& across) {
   Pack block[6 * Rows];
   for (int c = 0; c < 6; ++c)
     for (int r = 0; r < Rows; ++r) block[c * Rows + r] = derivative[6 * r + c];
-  gs::add_blocks(block, 6 * Rows, task.values, down, task.used, 1.0);
+  gs::put_blocks<gs::Put::assign>(block, 6 * Rows, task.values, down, task.used, 1.0);
   for (int i = 0; i < 6 * Rows; ++i) block[i] = load(force[i]);
-  gs::add_blocks(block, 6 * Rows, task.values, across, task.used, -1.0);
+  gs::put_blocks<gs::Put::assign>(block, 6 * Rows, task.values, across, task.used, -1.0);
 }
 
 /// (lambda - impulse_time * effort) * diagonal, an angle or a distance. Where the effort is at its limit it no longer
@@ -249,7 +249,7 @@ HWY_INLINE void evaluate(const JointTask& task) {
     g[5] = task.values ? motor(task, joint, impulses[5], child, parent, diagonal)
                        : motor(task, joint, impulses[5], nullptr, nullptr, diagonal);
     if (task.values)
-      gs::add_entries(&diagonal, 1, [](int) HWY_ATTR { return 35; }, task.values, task.blocks->own, used, 1.0);
+      gs::put_entries(&diagonal, 1, [](int) HWY_ATTR { return 35; }, task.values, task.blocks->own, used, 1.0);
   }
   gs::add_transposed(g, K::rows, task.residual, used, 1.0);
   push<K::rows>(task.octet->child_force, impulses, wrenches);

@@ -8,7 +8,7 @@
 
 namespace graphsolve::simd {
 
-/// One block of the matrix per lane, all of one form, as kernels on packs add to them (add_blocks in pack_memory-inl.hpp).
+/// One block of the matrix per lane, all of one form, as kernels on packs write to them (put_blocks in pack_memory-inl.hpp).
 class LaneBlocks {
  public:
   void set(int lane, const BlockHandle& block) {

@@ -102,6 +102,14 @@ struct AddTimes {
     hn::StoreU(hn::MulAdd(hn::Set(tag, factor), a, hn::LoadU(tag, to)), tag, to);
   }
 };
+struct StoreTimes {
+  double factor;
+  template <class V>
+  HWY_INLINE void operator()(V a, double* to) const {
+    constexpr hn::DFromV<V> tag;
+    hn::StoreU(hn::Mul(hn::Set(tag, factor), a), tag, to);
+  }
+};
 
 /// `width` consecutive doubles of L places.
 template <int L>
@@ -209,52 +217,72 @@ HWY_INLINE PackOf<W> part_of(const Pack& a, int h) {
   }
 }
 
-/// add_blocks where W lanes at a time lie side by side.
-template <int W, class Entry>
-HWY_INLINE void add_runs(const Pack* from, int count, Entry&& entry, double* values, const LaneBlocks& to, unsigned active,
+/// What becomes of what stands in a block: it is added to, or (of blocks that were claimed, Wiring::claim) replaced.
+enum class Put { add, assign };
+
+/// put_entries where W lanes at a time lie side by side.
+template <Put Way, int W, class Entry>
+HWY_INLINE void put_runs(const Pack* from, int count, Entry&& entry, double* values, const LaneBlocks& to, unsigned active,
                          double sign) {
   using P = PackOf<W>;
   constexpr unsigned all = (1u << W) - 1;
+  const P factor(sign);
+  const auto changed = [&](const double* at, const P& a) HWY_ATTR {
+    if constexpr (Way == Put::add) return multiply_add(factor, a, load<W>(at));
+    else return factor * a;
+  };
   for (int h = 0; h < lanes / W; ++h) {
     const unsigned some = active >> (h * W) & all;
     int stride = 0;
     const std::int64_t place = to.run(h * W, stride);
     if (some == 0 || place < 0) continue;
     double* begin = values + place;
+    if (some == all) {
+      for (int i = 0; i < count; ++i) {
+        double* at = begin + entry(i) * stride;
+        store(changed(at, part_of<W>(from[i], h)), at);
+      }
+      continue;
+    }
     const MaskOf<W> mask = lanes_of<W>(some);
     for (int i = 0; i < count; ++i) {
       double* at = begin + entry(i) * stride;
-      const P before = load<W>(at), after = multiply_add(P(sign), part_of<W>(from[i], h), before);
-      store(some == all ? after : select(mask, after, before), at);
+      store(select(mask, changed(at, part_of<W>(from[i], h)), load<W>(at)), at);
     }
   }
 }
 
-/// Entry entry(i) of each lane's block += sign from[i], lane after lane: two lanes may have the same block.
-template <class Entry>
-HWY_INLINE void add_entries(const Pack* from, int count, Entry&& entry, double* values, const LaneBlocks& to,
+/// Entry entry(i) of each lane's block: sign from[i] is put there, lane after lane; two lanes may add to the same block.
+template <Put Way = Put::add, class Entry>
+HWY_INLINE void put_entries(const Pack* from, int count, Entry&& entry, double* values, const LaneBlocks& to,
                             unsigned active, double sign) {
   active &= to.present();
-  if (to.together() == 8) return add_runs<8>(from, count, entry, values, to, active, sign);
-  if (to.together() == 4) return add_runs<4>(from, count, entry, values, to, active, sign);
-  if (to.together() == 2) return add_runs<2>(from, count, entry, values, to, active, sign);
+  if (to.together() == 8) return put_runs<Way, 8>(from, count, entry, values, to, active, sign);
+  if (to.together() == 4) return put_runs<Way, 4>(from, count, entry, values, to, active, sign);
+  if (to.together() == 2) return put_runs<Way, 2>(from, count, entry, values, to, active, sign);
   for (int l = 0; l < lanes; ++l) {
     if (!(active >> l & 1u)) continue;
     double* at = values + to.place(l);
     const int stride = to.stride(l);
     const double* lane = reinterpret_cast<const double*>(from) + l;  // packs of eight are eight doubles
-    for (int i = 0; i < count; ++i) at[entry(i) * stride] += sign * lane[i * lanes];
+    for (int i = 0; i < count; ++i) {
+      double& value = at[entry(i) * stride];
+      value = (Way == Put::add ? value : 0.0) + sign * lane[i * lanes];
+    }
   }
 }
 
 /// All `count` entries of the lanes' blocks, column after column.
-HWY_INLINE void add_blocks(const Pack* from, int count, double* values, const LaneBlocks& to, unsigned active, double sign) {
+template <Put Way = Put::add>
+HWY_INLINE void put_blocks(const Pack* from, int count, double* values, const LaneBlocks& to, unsigned active, double sign) {
   if (to.dense() && to.together() == 1) {
     double* at[lanes];
     for (int l = 0; l < lanes; ++l) at[l] = values + to.place(l);
-    return add_transposed(from, count, at, active & to.present(), sign);
+    active &= to.present();
+    if constexpr (Way == Put::add) return add_transposed(from, count, at, active, sign);
+    else return each_row(from, count, at, active, StoreTimes{sign});
   }
-  add_entries(from, count, [](int i) HWY_ATTR { return i; }, values, to, active, sign);
+  put_entries<Way>(from, count, [](int i) HWY_ATTR { return i; }, values, to, active, sign);
 }
 
 }  // namespace graphsolve::simd::HWY_NAMESPACE
