@@ -79,10 +79,12 @@ Status InteriorPoint::solve(std::span<double> x, double force_factor, std::span<
 }
 
 /// A solve that takes as many iterations as the one before, as in a simulation it mostly does, needs no matrix at its
-/// last point. Where it goes on all the same, the matrix is made then.
+/// last point. One may end at its first when one of the two before did. Where it goes on all the same, the matrix is made
+/// then.
 bool InteriorPoint::most_expect_to_end() const {
   std::size_t ending = 0;
-  for (const int c : running_) ending += attempt_iterations_[c] >= expected_iterations_[c];
+  for (const int c : running_)
+    ending += attempt_iterations_[c] == 0 ? at_start_[c] > 0 : attempt_iterations_[c] >= expected_iterations_[c];
   return 2 * ending > running_.size();
 }
 

@@ -10,6 +10,7 @@ namespace graphsolve {
 namespace {
 
 constexpr double refine_below = 1e-2;  ///< residual from which Newton is expected to gain a digit
+constexpr double barrier_share = 10;  ///< the residual that a barrier explains, over that of equal pairs
 constexpr int most_polishes = 3;
 constexpr int patience = 3;            ///< this many short steps in a row end an attempt
 constexpr int last_patience = 6;       ///< from the third attempt on: there may be no better one
@@ -93,12 +94,14 @@ void InteriorPoint::undo(int c) {
   undone_ = true;
 }
 
-/// Newton gains at least a digit near the solution. Where it does not, rounding in the elimination of very stiff
-/// pairs is the cause: refine from here on; a step that made things much worse is taken back first.
+/// Newton gains at least a digit near the solution, or arrives where the barrier lets it. Where it does not, rounding in
+/// the elimination of very stiff pairs is the cause: refine from here on; a step that made things much worse is taken
+/// back first.
 bool InteriorPoint::unsound(int c) {
   if (refine_[c] || degree_[c] == 0 || attempt_iterations_[c] == 0) return false;
   if (previous_error_[c] > refine_below || error_[c] <= tolerance_[c]) return false;
-  if (error_[c] < 0.1 * previous_error_[c] || alpha_[c] < 0.9) {
+  const double of_barrier = barrier_share * std::sqrt(mu_[c] / scale_[c]);  // pairs end near s = z / scale = this
+  if (error_[c] < std::max(0.1 * previous_error_[c], of_barrier) || alpha_[c] < 0.9) {
     if (!(error_[c] > 10 * previous_error_[c])) return false;
   }
   refine_[c] = 1;

@@ -19,7 +19,8 @@ constexpr int most_freezes = 40;
 InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> symbolic, InteriorPointSettings settings)
     : problem_(problem), settings_(settings), factorization_(std::move(symbolic)) {
   const Symbolic& s = factorization_.symbolic();
-  const Wiring wiring(s, problem_.graph());
+  std::vector<BlockHandle> claims;
+  const Wiring wiring(s, problem_.graph(), &claims);
   const int components = s.components();
   std::vector<int> component_of;
   const auto add_lists = [&](auto& batch, std::vector<Lists>& lists) {
@@ -30,6 +31,7 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   };
   for (Term* term : problem_.terms()) add_lists(*term, term_lists_);
   for (PortBatch* ports : problem_.ports()) add_lists(*ports, port_lists_);
+  factorization_.leave_unzeroed(claims);
 
   for (auto* v : {&x_, &start_, &dx_, &rhs_, &residual_}) v->assign(s.rows(), 0.0);
   row_scale_.assign(problem_.row_scale().begin(), problem_.row_scale().end());
@@ -45,6 +47,7 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   bounded_.assign(components, 0);
   refine_.assign(components, 0);
   judged_.assign(components, 0);
+  at_start_.assign(components, 0);
   scaled_.assign(components, 0);
   find_row_ranges();
   factorization_.allow_refinement();
@@ -123,7 +126,8 @@ void InteriorPoint::begin(std::span<const double> x, double force_factor, std::s
   set_running();
   scales_known_ = std::all_of(running_.begin(), running_.end(), [&](int c) { return scaled_[c] != 0; });
   for (const int c : running_) {
-    expected_iterations_[c] = std::max(1, reports_[c].iterations);
+    expected_iterations_[c] = reports_[c].iterations;
+    at_start_[c] = static_cast<char>(reports_[c].iterations == 0 ? 2 : std::max(0, at_start_[c] - 1));
     reports_[c] = {};
     trouble_[c] = Status::solved;
     phase_[c] = Phase::full;
@@ -155,9 +159,9 @@ void InteriorPoint::start_warm() {
     for (std::size_t b = 0; b < ports.size(); ++b)
       if (!port_lists_[b].running.empty()) ports[b]->start_warm(running(port_lists_[b]), x_, mu_, scale_);
   };
-  // Ports may read what terms compute from x. Their forces change the residual before a matrix is wanted.
-  const bool changes = std::any_of(running_.begin(), running_.end(), [&](int c) { return degree_[c] > 0; });
-  evaluate_terms(changes ? With::residual_alone : With::matrix);
+  // Ports may read what terms compute from x. A solve that may end where it starts needs no matrix.
+  evaluate_terms(most_expect_to_end() ? With::residual_alone : With::matrix);
+  for (const int c : running_) each_row(c, [&](int i) { rhs_[i] = residual_[i]; });
   for (const int c : running_) mu_[c] = mu_floor_[c];
   start();
   evaluate_ports();
@@ -174,8 +178,9 @@ void InteriorPoint::start_warm() {
     again = true;
   }
   if (!again) return;
-  start();
-  evaluate(With::matrix);
+  start();  // x is where it was: so is what the terms made of it
+  for (const int c : running_) each_row(c, [&](int i) { residual_[i] = rhs_[i]; });
+  evaluate_ports();
 }
 
 void InteriorPoint::set_default_scales() {

@@ -146,6 +146,7 @@ class InteriorPoint {
       expected_iterations_;  ///< those that the solve before took
   std::vector<Status> trouble_;  ///< why the present attempt has to end; solved: it need not
   std::vector<Phase> phase_;
+  std::vector<char> at_start_;  ///< > 0: one of the last two solves ended where it began
   std::vector<char> judged_;   ///< passed on at the point where it is
   std::vector<char> scaled_;   ///< has its default scales
   std::vector<char> bounded_;  ///< a term's bound_step alone would have made the last step short
