@@ -18,18 +18,52 @@ int at_least_one(int lanes) {
 
 }  // namespace
 
-struct BatchSimulator::Impl : Stepper {
-  Impl(const Mechanism& scene, int count, const SimulatorSettings& options) : Stepper(scene, at_least_one(count), options) {
-    running.resize(count);
-    std::iota(running.begin(), running.end(), 0);
+/// Eight lanes at a time go through a whole step: their numbers stay in the cache, and they fill the vectors.
+struct BatchSimulator::Impl {
+  struct Cohort {
+    std::unique_ptr<Stepper> stepper;
+    std::vector<int> running;  ///< its lanes, ascending
+  };
+  struct Place {
+    Stepper& stepper;
+    int lane;  ///< of this stepper
+  };
+
+  Impl(const Mechanism& scene, int lanes, const SimulatorSettings& options) : count(at_least_one(lanes)) {
+    for (int first = 0; first < count; first += Interleaving::width) {
+      const int some = std::min(Interleaving::width, count - first);
+      const Stepper* same = !cohorts.empty() && some == Interleaving::width ? cohorts.front().stepper.get() : nullptr;
+      Cohort& cohort = cohorts.emplace_back(std::make_unique<Stepper>(scene, some, options, same));
+      cohort.running.resize(some);
+      std::iota(cohort.running.begin(), cohort.running.end(), 0);
+    }
+    reckon();
   }
-  void stop(int lane) { std::erase(running, lane); }
+  [[nodiscard]] Cohort& cohort(int lane) { return cohorts[lane / Interleaving::width]; }
+  [[nodiscard]] Place at(int lane) { return {*cohort(lane).stepper, lane % Interleaving::width}; }
+  [[nodiscard]] const Lane& lane(int lane) { return at(lane).stepper.lanes[at(lane).lane]; }
+
+  void stop(int lane) { std::erase(cohort(lane).running, lane % Interleaving::width); }
   void run(int lane) {
-    const auto place = std::lower_bound(running.begin(), running.end(), lane);
-    if (place == running.end() || *place != lane) running.insert(place, lane);
+    auto& running = cohort(lane).running;
+    const int own = lane % Interleaving::width;
+    const auto place = std::lower_bound(running.begin(), running.end(), own);
+    if (place == running.end() || *place != own) running.insert(place, own);
+  }
+  /// Times and sizes of all cohorts together.
+  void reckon() {
+    times = {};
+    size = {};
+    for (const Cohort& cohort : cohorts) {
+      times += cohort.stepper->times;
+      size += cohort.stepper->size;
+    }
   }
 
-  std::vector<int> running;  ///< lanes, ascending
+  int count;
+  std::vector<Cohort> cohorts;
+  PhaseTimes times;
+  ProblemSize size;
 };
 
 BatchSimulator::BatchSimulator(const Mechanism& scene, int lanes, const SimulatorSettings& settings)
@@ -38,39 +72,64 @@ BatchSimulator::~BatchSimulator() = default;
 BatchSimulator::BatchSimulator(BatchSimulator&&) noexcept = default;
 BatchSimulator& BatchSimulator::operator=(BatchSimulator&&) noexcept = default;
 
-int BatchSimulator::lanes() const { return static_cast<int>(impl_->lanes.size()); }
+int BatchSimulator::lanes() const { return impl_->count; }
 
 void BatchSimulator::load(int lane, Mechanism copy) {
   impl_->stop(lane);
-  impl_->load(lane, std::move(copy));
+  const auto [stepper, own] = impl_->at(lane);
+  stepper.load(own, std::move(copy));
   impl_->run(lane);
 }
 
 void BatchSimulator::unload(int lane) { impl_->stop(lane); }
 
 bool BatchSimulator::running(int lane) const {
-  return std::binary_search(impl_->running.begin(), impl_->running.end(), lane);
+  return std::ranges::binary_search(impl_->cohort(lane).running, lane % Interleaving::width);
 }
 
 void BatchSimulator::step() {
-  Impl& s = *impl_;
-  if (s.running.empty()) return;
-  s.step(s.running);
-  std::erase_if(s.running, [&](int lane) { return !s.lanes[lane].last.ok(); });
+  for (auto& [stepper, running] : impl_->cohorts) {
+    if (running.empty()) continue;
+    stepper->step(running);
+    std::erase_if(running, [&](int lane) { return !stepper->lanes[lane].last.ok(); });
+  }
+  impl_->reckon();
 }
 
-const StepResult& BatchSimulator::result(int lane) const { return impl_->lanes[lane].last; }
-std::string BatchSimulator::failure_place(int lane) const { return impl_->failure_place(lane); }
-void BatchSimulator::write_record(int lane, StepRecord& record) const { impl_->write_record(lane, record); }
-const Mechanism& BatchSimulator::mechanism(int lane) const { return impl_->lanes[lane].mechanism; }
-int BatchSimulator::step_index(int lane) const { return impl_->lanes[lane].step_index; }
-double BatchSimulator::time(int lane) const { return impl_->lanes[lane].time; }
-double BatchSimulator::smallest_distance(int lane) const { return impl_->contacts->smallest_distance(lane); }
-double BatchSimulator::smallest_distance_before(int lane) const { return impl_->lanes[lane].smallest_distance; }
-double BatchSimulator::largest_joint_error(int lane) const { return impl_->largest_joint_error(lane); }
-double BatchSimulator::energy(int lane) const { return impl_->energy(lane); }
-Vec3 BatchSimulator::linear_momentum(int lane) const { return impl_->linear_momentum(lane); }
-Vec3 BatchSimulator::angular_momentum(int lane) const { return impl_->angular_momentum(lane); }
+const StepResult& BatchSimulator::result(int lane) const { return impl_->lane(lane).last; }
+const Mechanism& BatchSimulator::mechanism(int lane) const { return impl_->lane(lane).mechanism; }
+int BatchSimulator::step_index(int lane) const { return impl_->lane(lane).step_index; }
+double BatchSimulator::time(int lane) const { return impl_->lane(lane).time; }
+double BatchSimulator::smallest_distance_before(int lane) const { return impl_->lane(lane).smallest_distance; }
+
+std::string BatchSimulator::failure_place(int lane) const {
+  const auto [stepper, own] = impl_->at(lane);
+  return stepper.failure_place(own);
+}
+void BatchSimulator::write_record(int lane, StepRecord& record) const {
+  const auto [stepper, own] = impl_->at(lane);
+  stepper.write_record(own, record);
+}
+double BatchSimulator::smallest_distance(int lane) const {
+  const auto [stepper, own] = impl_->at(lane);
+  return stepper.contacts->smallest_distance(own);
+}
+double BatchSimulator::largest_joint_error(int lane) const {
+  const auto [stepper, own] = impl_->at(lane);
+  return stepper.largest_joint_error(own);
+}
+double BatchSimulator::energy(int lane) const {
+  const auto [stepper, own] = impl_->at(lane);
+  return stepper.energy(own);
+}
+Vec3 BatchSimulator::linear_momentum(int lane) const {
+  const auto [stepper, own] = impl_->at(lane);
+  return stepper.linear_momentum(own);
+}
+Vec3 BatchSimulator::angular_momentum(int lane) const {
+  const auto [stepper, own] = impl_->at(lane);
+  return stepper.angular_momentum(own);
+}
 const PhaseTimes& BatchSimulator::phase_times() const { return impl_->times; }
 const ProblemSize& BatchSimulator::problem_size() const { return impl_->size; }
 

@@ -24,10 +24,9 @@ Contacts::Contacts(Bodies& bodies, const Interleaving& side_by_side, const Mecha
     (rigid(k) < 0 ? world_contacts_ : sources).push_back(k);
   per_lane_ = static_cast<int>(sources.size());
   world_distance_.resize(world_contacts_.size() * side_by_side_.copies());
-  const int bodies_per_lane = static_cast<int>(assembly.bodies.size());
   side_by_side_.each(per_lane_, [&](int lane, int i) {
     const int k = sources[i];
-    add(mechanism.contacts[k], k, side_by_side_.index(lane, rigid(k), bodies_per_lane));
+    add(mechanism.contacts[k], k, side_by_side_.index(lane, rigid(k)));
   });
   list_[0].reserve(four_.size());
   list_[1].reserve(any_.size());

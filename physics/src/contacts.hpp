@@ -126,12 +126,12 @@ auto Contacts::visit(const Entry& entry, F&& f) const {
 
 template <class F>
 void Contacts::each_entry(int lane, F&& f) {
-  for (int i = 0; i < per_lane_; ++i) f(contacts_[side_by_side_.index(lane, i, per_lane_)]);
+  for (int i = 0; i < per_lane_; ++i) f(contacts_[side_by_side_.index(lane, i)]);
 }
 
 template <class F>
 void Contacts::each_entry(int lane, F&& f) const {
-  for (int i = 0; i < per_lane_; ++i) f(contacts_[side_by_side_.index(lane, i, per_lane_)]);
+  for (int i = 0; i < per_lane_; ++i) f(contacts_[side_by_side_.index(lane, i)]);
 }
 
 }  // namespace physics

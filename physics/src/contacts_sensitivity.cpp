@@ -63,7 +63,7 @@ decltype(auto) whole(Law& law) {
 void Contacts::differentiate(int lane, std::span<const double> x, const StepStart& start, bool basis_follows, double stiffness,
                              Sensitivity& out) {
   for (int i = 0; i < per_lane_; ++i) {
-    const Entry& entry = contacts_[side_by_side_.index(lane, i, per_lane_)];
+    const Entry& entry = contacts_[side_by_side_.index(lane, i)];
     if (!entry.active) continue;
     visit(entry, [&](auto& port, auto&& kept) {
       constexpr int rows = std::decay_t<decltype(port)>::rows;

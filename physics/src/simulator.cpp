@@ -8,6 +8,22 @@
 
 namespace physics {
 
+PhaseTimes& PhaseTimes::operator+=(const PhaseTimes& other) {
+  for (auto part : {&PhaseTimes::prepare, &PhaseTimes::evaluate, &PhaseTimes::factorize, &PhaseTimes::solve, &PhaseTimes::finish})
+    this->*part += other.*part;
+  return *this;
+}
+
+ProblemSize& ProblemSize::operator+=(const ProblemSize& other) {
+  for (auto part : {&ProblemSize::body_nodes, &ProblemSize::joint_nodes, &ProblemSize::rows, &ProblemSize::islands,
+                    &ProblemSize::merged_bodies, &ProblemSize::frictionless_contacts})
+    this->*part += other.*part;
+  for (auto part : {&ProblemSize::culled_contacts, &ProblemSize::contact_steps, &ProblemSize::newton_steps,
+                    &ProblemSize::operations, &ProblemSize::fill_blocks, &ProblemSize::stored_scalars})
+    this->*part += other.*part;
+  return *this;
+}
+
 namespace {
 
 constexpr int only = 0;  ///< the lane of a simulator

@@ -56,8 +56,9 @@ struct Lane {
 /// They step together, but nothing of one lane depends on another: components of the graph converge on their own,
 /// and a lane that fails its step is tried again alone, in shorter steps.
 struct Stepper {
-  /// Every lane starts as a copy of the scene. Throws DescriptionError when the scene is wrong.
-  Stepper(Mechanism scene, int lanes, const SimulatorSettings& options);
+  /// Every lane starts as a copy of the scene. same: one of as many lanes of a scene of the same structure, whose plan
+  /// this one shares; may be null. Throws DescriptionError when the scene is wrong.
+  Stepper(Mechanism scene, int lanes, const SimulatorSettings& options, const Stepper* same = nullptr);
 
   /// Puts another scene of the same structure into a lane, at its start. Throws DescriptionError when the scene is
   /// wrong or does not fit; the lane is then in no state to step.
@@ -68,8 +69,8 @@ struct Stepper {
   /// Poses and momenta of a lane as the start of a step of length h.
   void load_state_into_terms(int lane, double h);
 
-  [[nodiscard]] int body(int lane, int item) const { return side_by_side.index(lane, item, bodies_per_lane); }
-  [[nodiscard]] int joint(int lane, int item) const { return side_by_side.index(lane, item, joints_per_lane); }
+  [[nodiscard]] int body(int lane, int item) const { return side_by_side.index(lane, item); }
+  [[nodiscard]] int joint(int lane, int item) const { return side_by_side.index(lane, item); }
 
   // Reports on one lane.
   [[nodiscard]] double kinetic_energy(int lane) const;
@@ -98,6 +99,7 @@ struct Stepper {
   Joints joints{bodies};
   std::unique_ptr<Contacts> contacts;
   std::unique_ptr<graphsolve::Problem> problem;
+  std::shared_ptr<const graphsolve::Symbolic> plan;
   std::unique_ptr<graphsolve::InteriorPoint> solver;
   std::vector<int> island;      ///< of each rigid body
   std::vector<double> noise;    ///< by island
@@ -112,7 +114,8 @@ struct Stepper {
   friend class StepGradient;
   void describe(int lane, Mechanism scene);
   void build();
-  void make_solver();
+  void make_solver(const Stepper* same);
+  [[nodiscard]] std::shared_ptr<const graphsolve::Symbolic> make_plan() const;
   void set_parameters(int lane);
   void set_row_scales(int lane);
   void start(int lane);

@@ -26,7 +26,7 @@ graphsolve::BlockGraph make_graph(const Mechanism& mechanism, const Assembly& as
         graph.add_node(mechanism.joints[joint.source].name, joint_rows(mechanism, joint), NodeKind::saddle);
     // The rows of one joint are independent on either body alone.
     for (const int body : {joint.child, joint.parent})
-      if (body >= 0) graph.add_edge(node, {copies.index(copy, body, n)}, EdgeRank::full_row);
+      if (body >= 0) graph.add_edge(node, {copies.index(copy, body)}, EdgeRank::full_row);
   });
   return graph;
 }
@@ -39,8 +39,8 @@ graphsolve::Ordering order_copies(const graphsolve::BlockGraph& all, const graph
   std::vector<graphsolve::NodeId> sequence;
   copies.each(bodies + joints, [&](int copy, int k) {
     const int node = one.sequence[k].index;
-    sequence.push_back({node < bodies ? copies.index(copy, node, bodies)
-                                      : bodies * copies.copies() + copies.index(copy, node - bodies, joints)});
+    sequence.push_back({node < bodies ? copies.index(copy, node)
+                                      : bodies * copies.copies() + copies.index(copy, node - bodies)});
   });
   return graphsolve::user_ordering(all, sequence);
 }
@@ -52,7 +52,7 @@ const Motor* motor_of(const Mechanism& mechanism, const JointGeometry& geometry)
   return motor && (motor->stiffness > 0 || motor->damping > 0) ? &*motor : nullptr;
 }
 
-Stepper::Stepper(Mechanism scene, int count, const SimulatorSettings& options)
+Stepper::Stepper(Mechanism scene, int count, const SimulatorSettings& options, const Stepper* same)
     : settings(options), side_by_side(count), lanes(count) {
   if (!(settings.tolerance > 0 && std::isfinite(settings.tolerance)))
     throw DescriptionError(fmt::format("tolerance {} is not a number > 0", settings.tolerance));
@@ -60,7 +60,7 @@ Stepper::Stepper(Mechanism scene, int count, const SimulatorSettings& options)
   describe(0, std::move(scene));
   dt = lanes[0].mechanism.time_step;
   build();
-  make_solver();
+  make_solver(same);
   for (int lane = 0; lane < count; ++lane) start(lane);
 }
 
@@ -108,11 +108,15 @@ graphsolve::Ordering cheapest_ordering(const graphsolve::BlockGraph& graph) {
 
 }  // namespace
 
-void Stepper::make_solver() {
+std::shared_ptr<const graphsolve::Symbolic> Stepper::make_plan() const {
   const auto one = make_graph(lanes[0].mechanism, lanes[0].assembly, Interleaving(1));
-  const auto ordering =
-      order_copies(problem->graph(), cheapest_ordering(one), bodies_per_lane, side_by_side);
-  auto symbolic = std::make_shared<const graphsolve::Symbolic>(problem->graph(), ordering);
+  const auto ordering = order_copies(problem->graph(), cheapest_ordering(one), bodies_per_lane, side_by_side);
+  return std::make_shared<const graphsolve::Symbolic>(problem->graph(), ordering);
+}
+
+void Stepper::make_solver(const Stepper* same) {
+  plan = same ? same->plan : make_plan();
+  const auto& symbolic = plan;
   const int n = bodies.size();
   size.body_nodes = n;
   size.joint_nodes = joints.size();
@@ -140,7 +144,7 @@ void Stepper::make_solver() {
   }
   for (auto* list : {&going_, &solving_}) list->reserve(lanes.size());
   components_.reserve(symbolic->components());
-  solver = std::make_unique<graphsolve::InteriorPoint>(*problem, std::move(symbolic),
+  solver = std::make_unique<graphsolve::InteriorPoint>(*problem, plan,
                                                        graphsolve::InteriorPointSettings{.tolerance = settings.tolerance});
   solver->set_profile(&profile);
 }

@@ -132,7 +132,7 @@ std::string Stepper::failure_place(int lane) const {
   const int node = failure.worst_node.index;
   std::string thing;
   if (node >= 0 && node < bodies.size()) {
-    thing = fmt::format("body '{}'", l.assembly.bodies[side_by_side.item(node, bodies_per_lane)].name);
+    thing = fmt::format("body '{}'", l.assembly.bodies[node / side_by_side.copies()].name);
   } else if (node >= 0) {
     thing = fmt::format("joint '{}'", l.mechanism.joints[joints.geometry(node - bodies.size()).source].name);
   } else if (const int contact = contacts->source(lane, failure.worst_batch, failure.worst_instance); contact >= 0) {

@@ -32,6 +32,7 @@ struct PhaseTimes {
   double solve = 0;
   double finish = 0;      ///< culling check, new state
   [[nodiscard]] double total() const { return prepare + evaluate + factorize + solve + finish; }
+  PhaseTimes& operator+=(const PhaseTimes& other);
 };
 
 /// What exists for the solver, and what was left out because the scene does not need it.
@@ -46,6 +47,7 @@ struct ProblemSize {
   long long operations = 0;        ///< multiplications and divisions of one factorization, predicted
   long long fill_blocks = 0;
   long long stored_scalars = 0;
+  ProblemSize& operator+=(const ProblemSize& other);  ///< of problems side by side
 };
 
 /// Outcome of one step. On failure the state is the one before the step.
