@@ -272,9 +272,9 @@ HWY_INLINE void put_entries(const Pack* from, int count, Entry&& entry, double* 
   }
 }
 
-/// All `count` entries of the lanes' blocks, column after column.
+/// All `count` entries of the lanes' blocks, column after column. A call of its own: it is long, and joints have four.
 template <Put Way = Put::add>
-HWY_INLINE void put_blocks(const Pack* from, int count, double* values, const LaneBlocks& to, unsigned active, double sign) {
+HWY_NOINLINE void put_blocks(const Pack* from, int count, double* values, const LaneBlocks& to, unsigned active, double sign) {
   if (to.dense() && to.together() == 1) {
     double* at[lanes];
     for (int l = 0; l < lanes; ++l) at[l] = values + to.place(l);
