@@ -6,6 +6,7 @@
 
 #include "graphsolve/largest.hpp"
 #include "interior_point_constants.hpp"
+#include "simd/vector_kernels.hpp"
 
 namespace graphsolve {
 
@@ -73,7 +74,7 @@ Status InteriorPoint::solve(std::span<double> x, double force_factor, std::span<
       worst = reports_[c].status;
       continue;
     }
-    each_row(c, [&](int i) { x[i] = x_[i]; });
+    copy_rows(c, x_, x);
   }
   return worst;
 }
@@ -96,7 +97,7 @@ void InteriorPoint::evaluate(With with) {
 void InteriorPoint::evaluate_terms(With with) {
   linearized_ = with == With::matrix || !scales_known_;
   if (linearized_) factorization_.set_zero(running_);
-  for (const int c : running_) each_row(c, [&](int i) { residual_[i] = 0; });
+  for (const int c : running_) each_run(c, [&](int first, int count) { std::fill_n(residual_.data() + first, count, 0.0); });
   const auto terms = problem_.terms();
   double* values = linearized_ ? factorization_.values().data() : nullptr;
   for (std::size_t b = 0; b < terms.size(); ++b) terms[b]->evaluate(running(term_lists_[b]), x_, residual_, values);
@@ -110,24 +111,13 @@ void InteriorPoint::evaluate_ports() {
   for (std::size_t b = 0; b < ports.size(); ++b) {
     const Instances instances = running(port_lists_[b]);
     if (instances.index.empty()) continue;
-    ports[b]->evaluate(instances, x_, residual_);
-    ports[b]->natural_error(instances, scale_, error_, product_);
+    ports[b]->evaluate(instances, x_, residual_, scale_, error_, product_);
   }
   for (const int c : running_) {
     port_error_[c] = error_[c];
-    // Two at a time, so that one comparison need not wait for the other.
-    LargestMagnitude even(error_[c]), odd;
-    for (int r = row_range_begin_[c]; r < row_range_begin_[c + 1]; ++r) {
-      const auto [begin, end] = row_ranges_[r];
-      int i = begin;
-      for (; i + 2 <= end; i += 2) {
-        even.take(residual_[i] * row_scale_[i]);
-        odd.take(residual_[i + 1] * row_scale_[i + 1]);
-      }
-      if (i < end) even.take(residual_[i] * row_scale_[i]);
-    }
-    even.take(odd);
-    error_[c] = even.value();
+    each_run(c, [&](int first, int count) {
+      error_[c] = kernels_->largest_scaled(residual_.data() + first, row_scale_.data() + first, count, error_[c]);
+    });
   }
 }
 
@@ -163,7 +153,8 @@ bool InteriorPoint::factorize() {
 }
 
 void InteriorPoint::right_hand_side() {
-  for (const int c : running_) each_row(c, [&](int i) { dx_[i] = -residual_[i]; });
+  for (const int c : running_)
+    each_run(c, [&](int first, int count) { kernels_->negate(residual_.data() + first, dx_.data() + first, count); });
   const auto ports = problem_.ports();
   for (std::size_t b = 0; b < ports.size(); ++b)
     if (!port_lists_[b].running.empty())
@@ -175,16 +166,13 @@ void InteriorPoint::solve_linear() {
   for (const int c : running_)
     if (refine_[c]) {
       refining_.push_back(c);
-      each_row(c, [&](int i) { rhs_[i] = dx_[i]; });
+      copy_rows(c, dx_, rhs_);
     }
   factorization_.solve_components(dx_, running_);
   if (!refining_.empty()) (void)factorization_.refine(rhs_, dx_, refining_, 2);
   const auto ports = problem_.ports();
-  for (std::size_t b = 0; b < ports.size(); ++b) {
-    if (port_lists_[b].running.empty()) continue;
-    ports[b]->recover(running(port_lists_[b]), dx_);
-    ports[b]->boundary_ratio(running(port_lists_[b]), ratio_);
-  }
+  for (std::size_t b = 0; b < ports.size(); ++b)
+    if (!port_lists_[b].running.empty()) ports[b]->recover(running(port_lists_[b]), dx_, ratio_);
 }
 
 /// Near the solution, and on a central enough path, no predictor is needed.
@@ -241,6 +229,15 @@ void InteriorPoint::combined_step() {
   solve_linear();
 }
 
+/// x += factor dx
+void InteriorPoint::move_by(int c, double factor) {
+  each_run(c, [&](int first, int count) { kernels_->add_scaled(factor, dx_.data() + first, x_.data() + first, count); });
+}
+
+void InteriorPoint::copy_rows(int c, std::span<const double> from, std::span<double> to) const {
+  each_run(c, [&](int first, int count) { std::copy_n(from.data() + first, count, to.data() + first); });
+}
+
 void InteriorPoint::take_step() {
   for (const int c : running_) alpha_[c] = 1;
   const auto terms = problem_.terms();
@@ -255,7 +252,7 @@ void InteriorPoint::take_step() {
     if (!port_lists_[b].running.empty()) ports[b]->accept(running(port_lists_[b]), alpha_);
   for (const int c : running_) {
     const double alpha = alpha_[c];
-    each_row(c, [&](int i) { x_[i] += alpha * dx_[i]; });
+    move_by(c, alpha);
     judged_[c] = 0;
     short_steps_[c] = alpha < short_step ? short_steps_[c] + 1 : 0;
   }

@@ -89,7 +89,7 @@ void InteriorPoint::undo(int c) {
   alpha_[c] = -step;
   const auto ports = problem_.ports();
   for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->accept(of_component(port_lists_[b], c), alpha_);
-  each_row(c, [&](int i) { x_[i] -= step * dx_[i]; });
+  move_by(c, -step);
   reports_[c].residual = good_error_[c];
   undone_ = true;
 }
@@ -128,7 +128,7 @@ bool InteriorPoint::backtrack(int c) {
   }
   ++halvings_[c];
   alpha_[c] *= 0.5;
-  each_row(c, [&](int i) { x_[i] -= alpha_[c] * dx_[i]; });
+  move_by(c, -alpha_[c]);
   restarted_ = true;
   return true;
 }

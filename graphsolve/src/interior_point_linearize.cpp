@@ -50,7 +50,7 @@ Status InteriorPoint::linearize(std::span<double> x, double smoothing, double st
   for (int k = 0;; ++k) {
     evaluate_terms_into(target);
     for (std::size_t b = 0; b < ports.size(); ++b) {
-      ports[b]->evaluate(running(port_lists_[b]), x_, residual_);
+      ports[b]->evaluate(running(port_lists_[b]), x_, residual_, scale_, error_, product_);
       ports[b]->condense(running(port_lists_[b]), largest_ratio_, target.values().data());
     }
     if (!target.factorize().ok()) return Status::singular;
@@ -76,10 +76,7 @@ bool InteriorPoint::centre(const Factorization& matrix) {
   right_hand_side();
   matrix.solve(dx_);
   for (const int c : running_) ratio_[c] = sum_[c] = 0;
-  for (std::size_t b = 0; b < ports.size(); ++b) {
-    ports[b]->recover(running(port_lists_[b]), dx_);
-    ports[b]->boundary_ratio(running(port_lists_[b]), ratio_);
-  }
+  for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->recover(running(port_lists_[b]), dx_, ratio_);
   for (const int c : running_) error_[c] = 1;  // the closer to zero, the closer take_step goes to the boundary
   take_step();
   std::fill(change_.begin(), change_.end(), 0.0);  // products where the step has led to
@@ -87,9 +84,11 @@ bool InteriorPoint::centre(const Factorization& matrix) {
   bool last = true;
   for (const int c : running_) {
     double size = 1, move = 0;
-    each_row(c, [&](int i) {
-      size = std::max(size, std::abs(x_[i]));
-      keep_largest(move, std::abs(dx_[i]));
+    each_run(c, [&](int first, int count) {
+      for (int i = first; i < first + count; ++i) {
+        size = std::max(size, std::abs(x_[i]));
+        keep_largest(move, std::abs(dx_[i]));
+      }
     });
     const double wanted = degree_[c] * mu_[c];
     if (!(alpha_[c] == 1.0 && move <= last_move * size && std::abs(sum_[c] - wanted) <= off_path * wanted)) last = false;

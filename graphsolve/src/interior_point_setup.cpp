@@ -5,6 +5,7 @@
 #include <string>
 
 #include "graphsolve/interior_point.hpp"
+#include "simd/vector_kernels.hpp"
 
 /// Lists of instances by component, starts and restarts. The loop itself is in interior_point.cpp, what ends it in interior_point_judge.cpp.
 namespace graphsolve {
@@ -50,6 +51,7 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   at_start_.assign(components, 0);
   scaled_.assign(components, 0);
   find_row_ranges();
+  kernels_ = &simd::vector_kernels();
   factorization_.allow_refinement();
   factorization_.set_saddle_shift(saddle_shift);
   reports_.resize(components);
@@ -106,6 +108,7 @@ void InteriorPoint::activate(int batch, std::span<const int> instances) {
 
 void InteriorPoint::set_running() {
   const auto fill = [&](Lists& lists) {
+    ++lists.version;
     lists.running.clear();
     for (const int c : running_)
       for (int k = lists.begin[c]; k < lists.begin[c + 1]; ++k) lists.running.push_back(lists.all[k]);
@@ -161,7 +164,7 @@ void InteriorPoint::start_warm() {
   };
   // Ports may read what terms compute from x. A solve that may end where it starts needs no matrix.
   evaluate_terms(most_expect_to_end() ? With::residual_alone : With::matrix);
-  for (const int c : running_) each_row(c, [&](int i) { rhs_[i] = residual_[i]; });
+  for (const int c : running_) copy_rows(c, residual_, rhs_);
   for (const int c : running_) mu_[c] = mu_floor_[c];
   start();
   evaluate_ports();
@@ -179,7 +182,7 @@ void InteriorPoint::start_warm() {
   }
   if (!again) return;
   start();  // x is where it was: so is what the terms made of it
-  for (const int c : running_) each_row(c, [&](int i) { residual_[i] = rhs_[i]; });
+  for (const int c : running_) copy_rows(c, rhs_, residual_);
   evaluate_ports();
 }
 
@@ -225,7 +228,7 @@ void InteriorPoint::blame(int c) {
     for (const int i : of_component(port_lists_[b], c).index) {
       if (std::isnan(largest)) return;
       error_[c] = product_[c] = 0;
-      ports[b]->natural_error({{&i, 1}, port_lists_[b].component}, scale_, error_, product_);
+      ports[b]->evaluate({{&i, 1}, port_lists_[b].component, 0}, x_, rhs_, scale_, error_, product_);  // rhs_: nobody's now
       if (error_[c] <= largest) continue;
       largest = error_[c];
       report.worst_node = {};
@@ -252,7 +255,7 @@ void InteriorPoint::next_attempt(int c) {
     for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->restore(of_component(port_lists_[b], c));
     return;
   }
-  each_row(c, [&](int i) { x_[i] = start_[i]; });
+  copy_rows(c, start_, x_);
   alpha_[c] = 1;
   attempt_iterations_[c] = short_steps_[c] = halvings_[c] = freezes_[c] = 0;
   phase_[c] = Phase::full;

@@ -68,7 +68,7 @@ void Bodies::set_octet(int i) {
 
 void Bodies::evaluate(graphsolve::Instances instances, std::span<const double> x, std::span<double> residual,
                       double* values) {
-  groups_.each(instances.index, [&](int i) { return place_[i]; }, [&](int octet, unsigned used) {
+  groups_.each(instances.index, instances.version, [&](int i) { return place_[i]; }, [&](int octet, unsigned used) {
     BodyTask task;
     task.constants = &constants_[octet];
     task.used = used;

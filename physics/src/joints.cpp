@@ -231,7 +231,7 @@ void Joints::aim() {
 
 void Joints::aim(std::span<const int> joints, bool at_next) {
   const auto pose = [&](int body) -> const Pose& { return at_next ? bodies_.pose_next(body) : bodies_.pose_now(body); };
-  groups_.each(joints, [&](int i) { return joints_[i].place; }, [&](int octet, unsigned used) {
+  groups_.each(joints, 0, [&](int i) { return joints_[i].place; }, [&](int octet, unsigned used) {
     JointTask task;
     task.rows = octet_rows_[octet];
     task.octet = &octets_[octet];

@@ -7,7 +7,7 @@ namespace physics {
 void Joints::evaluate(graphsolve::Instances instances, std::span<const double> x, std::span<double> residual,
                       double* values) {
   if (bodies_.force_at_next) aim(instances.index, true);
-  groups_.each(instances.index, [&](int i) { return joints_[i].place; },
+  groups_.each(instances.index, instances.version, [&](int i) { return joints_[i].place; },
                [&](int octet, unsigned used) { evaluate_octet(octet, used, x, residual, values); });
   // In the order of the joints, whatever octets they are in: sums in bits depend on it.
   for (const int i : instances.index) add_forces(i, x, residual, values);

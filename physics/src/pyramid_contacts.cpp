@@ -54,6 +54,7 @@ void PyramidContacts::wire(const graphsolve::Wiring& wiring) {
     if (body[octet] >= 0 && body[octet] != ports_[i].body()) one_body_[octet] = 0;
     body[octet] = ports_[i].body();
   }
+  find_lane_places(wiring);
   for (auto& blocks : blocks_) blocks.finish();
   beside_.clear();
   for (int octet = 0; octet < octets; ++octet) {
@@ -67,10 +68,28 @@ void PyramidContacts::wire(const graphsolve::Wiring& wiring) {
   }
 }
 
+/// Lanes without a contact stand in for one that has.
+void PyramidContacts::find_lane_places(const graphsolve::Wiring& wiring) {
+  lane_places_.assign(octets_.size(), {});
+  for (int octet = 0; octet < static_cast<int>(octets_.size()); ++octet) {
+    LanePlaces& places = lane_places_[octet];
+    unsigned used = 0;
+    for (int l = 0; l < graphsolve::simd::lanes; ++l)
+      if (contact_at_[octet * graphsolve::simd::lanes + l] >= 0) used |= 1u << l;
+    each_contact(octet, used, [&](int lane, int i) {
+      places.row[lane] = ports_[i].row();
+      places.component[lane] = wiring.component(ports_[i].nodes.front());
+    });
+    places.side_by_side = used == 0xffu;
+    for (int l = 1; l < graphsolve::simd::lanes; ++l)
+      if (places.component[l] != places.component[0] + l) places.side_by_side = false;
+  }
+}
+
 /// f(task, octet) with what every operation needs.
 template <class F>
-void PyramidContacts::each_octet(std::span<const int> contacts, F&& f) const {
-  groups_.each(contacts, [&](int i) { return place_[i]; }, [&](int octet, unsigned used) {
+void PyramidContacts::each_octet(const Instances& instances, F&& f) const {
+  groups_.each(instances.index, instances.version, [&](int i) { return place_[i]; }, [&](int octet, unsigned used) {
     ContactTask task;
     task.octet = &octets_[octet];
     task.used = used;
@@ -86,10 +105,15 @@ void PyramidContacts::each_contact(int octet, unsigned used, F&& f) const {
   each_lane(octet, used, [&](int lane, int place) { f(lane, contact_at_[place]); });
 }
 
-/// What belongs to the component of each lane.
-void PyramidContacts::take(Octet& to, const ContactTask& task, int octet, const Instances& instances,
-                           std::span<const double> from) const {
-  each_contact(octet, task.used, [&](int lane, int i) { to[lane] = from[instances.component[i]]; });
+/// What belongs to the component of each lane. Lanes mostly are those of eight components in a row, or of a single one.
+void PyramidContacts::take(Octet& to, const ContactTask& task, int octet, std::span<const double> from) const {
+  const LanePlaces& places = lane_places_[octet];
+  const int first = places.component[0];
+  if (places.side_by_side) {
+    std::copy_n(from.data() + first, graphsolve::simd::lanes, to.lane);
+    return;
+  }
+  each_lane(0, task.used, [&](int lane, int place) { to[lane] = from[places.component[place]]; });
 }
 
 /// Results of the used lanes: f(contact, lane).
@@ -107,12 +131,13 @@ void PyramidContacts::point_at_poses(ContactTask& task, int octet) const {
   each_contact(octet, task.used, [&](int lane, int i) { task.pose[lane] = bodies_.next[ports_[i].body()].x.data(); });
 }
 
-void PyramidContacts::point_at_rows(ContactTask& task, int octet, std::span<const double> x) const {
-  each_contact(octet, task.used, [&](int lane, int i) { task.x[lane] = x.data() + ports_[i].row(); });
+template <class T>
+void PyramidContacts::point_at_rows(T** to, int octet, T* x) const {
+  for (int l = 0; l < graphsolve::simd::lanes; ++l) to[l] = x + lane_places_[octet].row[l];
 }
 
 void PyramidContacts::remember(Instances instances, double factor) {
-  each_octet(instances.index, [&](ContactTask& task, int octet) {
+  each_octet(instances, [&](ContactTask& task, int octet) {
     const double* geometry[graphsolve::simd::lanes];
     each_contact(octet, task.used, [&](int lane, int i) { task.pose[lane] = bodies_.now[ports_[i].body()].x.data(); });
     each_contact(octet, task.used, [&](int lane, int i) { geometry[lane] = ports_[i].geometry().point.data(); });
@@ -121,7 +146,7 @@ void PyramidContacts::remember(Instances instances, double factor) {
 }
 
 void PyramidContacts::restore(Instances instances) {
-  each_octet(instances.index, [&](ContactTask& task, int) { kernels_.restore(task); });
+  each_octet(instances, [&](ContactTask& task, int) { kernels_.restore(task); });
 }
 
 /// With force directions at the new configuration the arms change with it.
@@ -137,37 +162,31 @@ void PyramidContacts::aim_at_next(std::span<const int> contacts) {
 void PyramidContacts::start_warm(Instances instances, std::span<const double> x, std::span<const double> mu,
                                  std::span<const double> scale) {
   if (bodies_.force_at_next) aim_at_next(instances.index);
-  each_octet(instances.index, [&](ContactTask& task, int octet) {
+  each_octet(instances, [&](ContactTask& task, int octet) {
     point_at_poses(task, octet);
-    point_at_rows(task, octet, x);
-    take(task.first, task, octet, instances, mu);
-    take(task.second, task, octet, instances, scale);
+    point_at_rows(task.x, octet, x.data());
+    take(task.first, task, octet, mu);
+    take(task.second, task, octet, scale);
     kernels_.start_warm(task);
   });
 }
 
 void PyramidContacts::start_cold(Instances instances, double velocity, std::span<const double> scale) {
-  each_octet(instances.index, [&](ContactTask& task, int octet) {
-    take(task.second, task, octet, instances, scale);
+  each_octet(instances, [&](ContactTask& task, int octet) {
+    take(task.second, task, octet, scale);
     kernels_.start_cold(task, velocity);
   });
 }
 
-void PyramidContacts::evaluate(Instances instances, std::span<const double> x, std::span<double> residual) {
+void PyramidContacts::evaluate(Instances instances, std::span<const double> x, std::span<double> residual,
+                               std::span<const double> scale, std::span<double> error, std::span<double> product) {
   if (bodies_.force_at_next) aim_at_next(instances.index);
-  each_octet(instances.index, [&](ContactTask& task, int octet) {
+  each_octet(instances, [&](ContactTask& task, int octet) {
     point_at_poses(task, octet);
-    point_at_rows(task, octet, x);
-    each_contact(octet, task.used, [&](int lane, int i) { task.rows[lane] = residual.data() + ports_[i].row(); });
+    point_at_rows(task.x, octet, x.data());
+    point_at_rows(task.rows, octet, residual.data());
+    take(task.second, task, octet, scale);
     kernels_.evaluate(task);
-  });
-}
-
-void PyramidContacts::natural_error(Instances instances, std::span<const double> scale, std::span<double> error,
-                                    std::span<double> product) const {
-  each_octet(instances.index, [&](ContactTask& task, int octet) {
-    take(task.second, task, octet, instances, scale);
-    kernels_.natural_error(task);
     give(task, octet, [&](int i, int lane) {
       graphsolve::keep_largest(error[instances.component[i]], task.out[lane]);
       graphsolve::keep_largest(product[instances.component[i]], task.also_out[lane]);
@@ -176,8 +195,8 @@ void PyramidContacts::natural_error(Instances instances, std::span<const double>
 }
 
 void PyramidContacts::condense(Instances instances, std::span<const double> largest_ratio, double* values) {
-  each_octet(instances.index, [&](ContactTask& task, int octet) {
-    take(task.first, task, octet, instances, largest_ratio);
+  each_octet(instances, [&](ContactTask& task, int octet) {
+    take(task.first, task, octet, largest_ratio);
     task.values = values;
     task.blocks = &blocks_[octet];
     kernels_.condense(task);
@@ -186,32 +205,26 @@ void PyramidContacts::condense(Instances instances, std::span<const double> larg
 
 void PyramidContacts::right_hand_side(Instances instances, std::span<const double> mu,
                                       std::span<const double> correction, std::span<double> rhs) {
-  each_octet(instances.index, [&](ContactTask& task, int octet) {
-    take(task.first, task, octet, instances, mu);
-    take(task.second, task, octet, instances, correction);
-    each_contact(octet, task.used, [&](int lane, int i) { task.rows[lane] = rhs.data() + ports_[i].row(); });
+  each_octet(instances, [&](ContactTask& task, int octet) {
+    take(task.first, task, octet, mu);
+    take(task.second, task, octet, correction);
+    point_at_rows(task.rows, octet, rhs.data());
     kernels_.right_hand_side(task);
   });
 }
 
-void PyramidContacts::recover(Instances instances, std::span<const double> dx) {
-  each_octet(instances.index, [&](ContactTask& task, int octet) {
-    point_at_rows(task, octet, dx);
+void PyramidContacts::recover(Instances instances, std::span<const double> dx, std::span<double> ratio) {
+  each_octet(instances, [&](ContactTask& task, int octet) {
+    point_at_rows(task.x, octet, dx.data());
     kernels_.recover(task);
-  });
-}
-
-void PyramidContacts::boundary_ratio(Instances instances, std::span<double> ratio) const {
-  each_octet(instances.index, [&](ContactTask& task, int octet) {
-    kernels_.boundary_ratio(task);
     give(task, octet, [&](int i, int lane) { graphsolve::keep_largest(ratio[instances.component[i]], task.out[lane]); });
   });
 }
 
 void PyramidContacts::complementarity(Instances instances, std::span<const double> alpha,
                                       std::span<double> sum) const {
-  each_octet(instances.index, [&](ContactTask& task, int octet) {
-    take(task.first, task, octet, instances, alpha);
+  each_octet(instances, [&](ContactTask& task, int octet) {
+    take(task.first, task, octet, alpha);
     kernels_.complementarity(task);
     give(task, octet, [&](int i, int lane) { product_[i] = task.out[lane]; });
   });
@@ -220,8 +233,8 @@ void PyramidContacts::complementarity(Instances instances, std::span<const doubl
 }
 
 void PyramidContacts::accept(Instances instances, std::span<const double> alpha) {
-  each_octet(instances.index, [&](ContactTask& task, int octet) {
-    take(task.first, task, octet, instances, alpha);
+  each_octet(instances, [&](ContactTask& task, int octet) {
+    take(task.first, task, octet, alpha);
     kernels_.accept(task);
   });
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "contact_port.hpp"
@@ -52,14 +53,12 @@ class PyramidContacts final : public graphsolve::PortBatch {
   void start_warm(graphsolve::Instances instances, std::span<const double> x, std::span<const double> mu,
                   std::span<const double> scale) override;
   void start_cold(graphsolve::Instances instances, double velocity, std::span<const double> scale) override;
-  void evaluate(graphsolve::Instances instances, std::span<const double> x, std::span<double> residual) override;
-  void natural_error(graphsolve::Instances instances, std::span<const double> scale, std::span<double> error,
-                     std::span<double> product) const override;
+  void evaluate(graphsolve::Instances instances, std::span<const double> x, std::span<double> residual,
+                std::span<const double> scale, std::span<double> error, std::span<double> product) override;
   void condense(graphsolve::Instances instances, std::span<const double> largest_ratio, double* values) override;
   void right_hand_side(graphsolve::Instances instances, std::span<const double> mu, std::span<const double> correction,
                        std::span<double> rhs) override;
-  void recover(graphsolve::Instances instances, std::span<const double> dx) override;
-  void boundary_ratio(graphsolve::Instances instances, std::span<double> ratio) const override;
+  void recover(graphsolve::Instances instances, std::span<const double> dx, std::span<double> ratio) override;
   void complementarity(graphsolve::Instances instances, std::span<const double> alpha,
                        std::span<double> sum) const override;
   void accept(graphsolve::Instances instances, std::span<const double> alpha) override;
@@ -67,21 +66,27 @@ class PyramidContacts final : public graphsolve::PortBatch {
 
  private:
   template <class F>
-  void each_octet(std::span<const int> contacts, F&& f) const;
+  void each_octet(const graphsolve::Instances& instances, F&& f) const;
   template <class F>
   void each_contact(int octet, unsigned used, F&& f) const;
-  void take(Octet& to, const ContactTask& task, int octet, const graphsolve::Instances& instances,
-            std::span<const double> from) const;
+  void find_lane_places(const graphsolve::Wiring& wiring);
+  void take(Octet& to, const ContactTask& task, int octet, std::span<const double> from) const;
   template <class F>
   void give(const ContactTask& task, int octet, F&& f) const;
   void point_at_poses(ContactTask& task, int octet) const;
-  void point_at_rows(ContactTask& task, int octet, std::span<const double> x) const;
+  template <class T>
+  void point_at_rows(T** to, int octet, T* x) const;
   void aim_at_next(std::span<const int> contacts);
 
   Bodies& bodies_;
   std::vector<ContactPort<3>> ports_;
   // Contacts in octets, known once they are wired.
   std::vector<int> place_, contact_at_;
+  struct LanePlaces {
+    std::array<int, graphsolve::simd::lanes> row, component;  ///< of the body
+    bool side_by_side;                                        ///< eight components that follow each other
+  };
+  std::vector<LanePlaces> lane_places_;     ///< by octet
   std::vector<const BodyAtOctet*> beside_;  ///< by octet: its bodies, if they lie in the same lanes
   ContactKernels kernels_{};
   std::vector<char> one_body_;  ///< by octet: its contacts are on the same body

@@ -233,32 +233,18 @@ void copy_body(const State& from, State& to, int i) {
 void Stepper::save(int lane) {
   lanes[lane].saved_state = lanes[lane].state;
   contacts->save(lane);
-  const auto copy = [&](int row, int rows) { std::copy_n(unknowns.data() + row, rows, saved_unknowns.data() + row); };
-  for (int k = 0; k < bodies_per_lane; ++k) {
-    const int i = body(lane, k);
-    copy_body(state, saved_state, i);
-    copy(bodies.row[i], 6);
-  }
-  for (int k = 0; k < joints_per_lane; ++k) {
-    const int j = joint(lane, k);
-    copy(joints.row(j), joints.rows(j));
-    joints.save(j);
-  }
+  const int rows = rows_per_lane();
+  std::copy_n(unknowns.data() + lane * rows, rows, saved_unknowns.data() + lane * rows);
+  for (int k = 0; k < bodies_per_lane; ++k) copy_body(state, saved_state, body(lane, k));
+  for (int k = 0; k < joints_per_lane; ++k) joints.save(joint(lane, k));
 }
 
 void Stepper::restore(int lane) {
   lanes[lane].state = lanes[lane].saved_state;
-  const auto copy = [&](int row, int rows) { std::copy_n(saved_unknowns.data() + row, rows, unknowns.data() + row); };
-  for (int k = 0; k < bodies_per_lane; ++k) {
-    const int i = body(lane, k);
-    copy_body(saved_state, state, i);
-    copy(bodies.row[i], 6);
-  }
-  for (int k = 0; k < joints_per_lane; ++k) {
-    const int j = joint(lane, k);
-    copy(joints.row(j), joints.rows(j));
-    joints.restore(j);
-  }
+  const int rows = rows_per_lane();
+  std::copy_n(saved_unknowns.data() + lane * rows, rows, unknowns.data() + lane * rows);
+  for (int k = 0; k < bodies_per_lane; ++k) copy_body(saved_state, state, body(lane, k));
+  for (int k = 0; k < joints_per_lane; ++k) joints.restore(joint(lane, k));
   contacts->clear(lane);
 }
 

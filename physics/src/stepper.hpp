@@ -71,6 +71,13 @@ struct Stepper {
 
   [[nodiscard]] int body(int lane, int item) const { return side_by_side.index(lane, item); }
   [[nodiscard]] int joint(int lane, int item) const { return side_by_side.index(lane, item); }
+  // Nodes and rows of a lane follow those of the lane before.
+  [[nodiscard]] graphsolve::NodeId body_node(int lane, int item) const {
+    return {lane * (bodies_per_lane + joints_per_lane) + item};
+  }
+  [[nodiscard]] graphsolve::NodeId joint_node(int lane, int item) const { return body_node(lane, bodies_per_lane + item); }
+  [[nodiscard]] int rows_per_lane() const { return static_cast<int>(unknowns.size()) / count(); }
+  [[nodiscard]] int count() const { return side_by_side.copies(); }
 
   // Reports on one lane.
   [[nodiscard]] double kinetic_energy(int lane) const;

@@ -14,34 +14,31 @@ int joint_rows(const Mechanism& mechanism, const JointGeometry& joint) {
   return Joints::rows_of(joint, motor_of(mechanism, joint));
 }
 
-/// `copies` equal scenes: all bodies, then all joints.
-graphsolve::BlockGraph make_graph(const Mechanism& mechanism, const Assembly& assembly, const Interleaving& copies) {
+/// `copies` equal scenes, one after the other, so that the rows of each are one run: bodies, then joints.
+graphsolve::BlockGraph make_graph(const Mechanism& mechanism, const Assembly& assembly, int copies) {
   using namespace graphsolve;
   BlockGraph graph;
-  const int n = static_cast<int>(assembly.bodies.size()), joints = static_cast<int>(assembly.joints.size());
-  copies.each(n, [&](int, int k) { graph.add_node(assembly.bodies[k].name, 6, NodeKind::regular); });
-  copies.each(joints, [&](int copy, int k) {
-    const JointGeometry& joint = assembly.joints[k];
-    const NodeId node =
-        graph.add_node(mechanism.joints[joint.source].name, joint_rows(mechanism, joint), NodeKind::saddle);
-    // The rows of one joint are independent on either body alone.
-    for (const int body : {joint.child, joint.parent})
-      if (body >= 0) graph.add_edge(node, {copies.index(copy, body)}, EdgeRank::full_row);
-  });
+  for (int copy = 0; copy < copies; ++copy) {
+    const int first = graph.size();
+    for (const RigidBody& body : assembly.bodies) graph.add_node(body.name, 6, NodeKind::regular);
+    for (const JointGeometry& joint : assembly.joints) {
+      const NodeId node =
+          graph.add_node(mechanism.joints[joint.source].name, joint_rows(mechanism, joint), NodeKind::saddle);
+      // The rows of one joint are independent on either body alone.
+      for (const int body : {joint.child, joint.parent})
+        if (body >= 0) graph.add_edge(node, {first + body}, EdgeRank::full_row);
+    }
+  }
   return graph;
 }
 
 /// The order of one copy, equal nodes of all copies side by side.
-graphsolve::Ordering order_copies(const graphsolve::BlockGraph& all, const graphsolve::Ordering& one, int bodies,
-                                  const Interleaving& copies) {
-  if (copies.copies() == 1) return one;
-  const int joints = static_cast<int>(one.sequence.size()) - bodies;
+graphsolve::Ordering order_copies(const graphsolve::BlockGraph& all, const graphsolve::Ordering& one, int copies) {
+  if (copies == 1) return one;
+  const int nodes = static_cast<int>(one.sequence.size());
   std::vector<graphsolve::NodeId> sequence;
-  copies.each(bodies + joints, [&](int copy, int k) {
-    const int node = one.sequence[k].index;
-    sequence.push_back({node < bodies ? copies.index(copy, node)
-                                      : bodies * copies.copies() + copies.index(copy, node - bodies)});
-  });
+  for (const graphsolve::NodeId node : one.sequence)
+    for (int copy = 0; copy < copies; ++copy) sequence.push_back({copy * nodes + node.index});
   return graphsolve::user_ordering(all, sequence);
 }
 
@@ -52,16 +49,16 @@ const Motor* motor_of(const Mechanism& mechanism, const JointGeometry& geometry)
   return motor && (motor->stiffness > 0 || motor->damping > 0) ? &*motor : nullptr;
 }
 
-Stepper::Stepper(Mechanism scene, int count, const SimulatorSettings& options, const Stepper* same)
-    : settings(options), side_by_side(count), lanes(count) {
+Stepper::Stepper(Mechanism scene, int copies, const SimulatorSettings& options, const Stepper* same)
+    : settings(options), side_by_side(copies), lanes(copies) {
   if (!(settings.tolerance > 0 && std::isfinite(settings.tolerance)))
     throw DescriptionError(fmt::format("tolerance {} is not a number > 0", settings.tolerance));
-  for (int lane = 1; lane < count; ++lane) describe(lane, scene);
+  for (int lane = 1; lane < copies; ++lane) describe(lane, scene);
   describe(0, std::move(scene));
   dt = lanes[0].mechanism.time_step;
   build();
   make_solver(same);
-  for (int lane = 0; lane < count; ++lane) start(lane);
+  for (int lane = 0; lane < copies; ++lane) start(lane);
 }
 
 /// Takes up a description; what it says becomes numbers in set_parameters.
@@ -83,10 +80,10 @@ void Stepper::build() {
   const Assembly& assembly = lanes[0].assembly;
   bodies_per_lane = static_cast<int>(assembly.bodies.size());
   joints_per_lane = static_cast<int>(assembly.joints.size());
-  problem = std::make_unique<graphsolve::Problem>(make_graph(scene, assembly, side_by_side));
-  side_by_side.each(bodies_per_lane, [&](int lane, int k) { bodies.add(assembly.bodies[k], {body(lane, k)}); });
+  problem = std::make_unique<graphsolve::Problem>(make_graph(scene, assembly, count()));
+  side_by_side.each(bodies_per_lane, [&](int lane, int k) { bodies.add(assembly.bodies[k], body_node(lane, k)); });
   side_by_side.each(joints_per_lane, [&](int lane, int k) {
-    joints.add(on_lane(lane, k), motor_of(scene, assembly.joints[k]), {bodies.size() + joint(lane, k)});
+    joints.add(on_lane(lane, k), motor_of(scene, assembly.joints[k]), joint_node(lane, k));
   });
   contacts = std::make_unique<Contacts>(bodies, side_by_side, scene, assembly);
   problem->add(bodies);
@@ -109,8 +106,8 @@ graphsolve::Ordering cheapest_ordering(const graphsolve::BlockGraph& graph) {
 }  // namespace
 
 std::shared_ptr<const graphsolve::Symbolic> Stepper::make_plan() const {
-  const auto one = make_graph(lanes[0].mechanism, lanes[0].assembly, Interleaving(1));
-  const auto ordering = order_copies(problem->graph(), cheapest_ordering(one), bodies_per_lane, side_by_side);
+  const auto one = make_graph(lanes[0].mechanism, lanes[0].assembly, 1);
+  const auto ordering = order_copies(problem->graph(), cheapest_ordering(one), count());
   return std::make_shared<const graphsolve::Symbolic>(problem->graph(), ordering);
 }
 
@@ -128,8 +125,8 @@ void Stepper::make_solver(const Stepper* same) {
   size.fill_blocks = symbolic->counts().fill_blocks;
   size.stored_scalars = symbolic->counts().stored_scalars;
   island.resize(n);
-  for (int i = 0; i < n; ++i) island[i] = symbolic->component({i});
-  for (int lane = 0; lane < side_by_side.copies(); ++lane) {
+  for (int i = 0; i < n; ++i) island[i] = symbolic->component(bodies.node(i));
+  for (int lane = 0; lane < count(); ++lane) {
     auto& islands = lanes[lane].islands;
     for (int k = 0; k < bodies_per_lane; ++k) islands.push_back(island[body(lane, k)]);
     std::sort(islands.begin(), islands.end());

@@ -129,12 +129,10 @@ std::string Stepper::failure_place(int lane) const {
   const Lane& l = lanes[lane];
   if (l.last.ok()) return "";
   const graphsolve::ComponentReport& failure = l.failure;
-  const int node = failure.worst_node.index;
   std::string thing;
-  if (node >= 0 && node < bodies.size()) {
-    thing = fmt::format("body '{}'", l.assembly.bodies[node / side_by_side.copies()].name);
-  } else if (node >= 0) {
-    thing = fmt::format("joint '{}'", l.mechanism.joints[joints.geometry(node - bodies.size()).source].name);
+  if (const int node = failure.worst_node.index - body_node(lane, 0).index; failure.worst_node.index >= 0) {
+    if (node < bodies_per_lane) thing = fmt::format("body '{}'", l.assembly.bodies[node].name);
+    else thing = fmt::format("joint '{}'", l.mechanism.joints[l.assembly.joints[node - bodies_per_lane].source].name);
   } else if (const int contact = contacts->source(lane, failure.worst_batch, failure.worst_instance); contact >= 0) {
     thing = fmt::format("contact '{}'", l.mechanism.contacts[contact].name);
   }

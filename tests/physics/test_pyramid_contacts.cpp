@@ -101,23 +101,23 @@ class PyramidContactsTest : public testing::TestWithParam<graphsolve::simd::Inst
     both([&](auto& b) { b.remember(some, 0.9); });
     both([&](auto& b) { b.start_warm(some, x, mu, scale); });
     expect_laws_equal("start_warm");
-    expect_equal("evaluate", x.size(), [&](auto& b, auto& out) { b.evaluate(some, x, out); });
-    expect_equal("natural_error", 2 * components, [&](auto& b, auto& out) {
-      b.natural_error(some, scale, std::span(out).first(components), std::span(out).last(components));
-    });
+    const auto evaluate = [&](auto& b, std::vector<double>& out) {
+      const std::span all(out);
+      b.evaluate(some, x, all.first(x.size()), scale, all.subspan(x.size(), components), all.last(components));
+    };
+    expect_equal("evaluate", x.size() + 2 * components, evaluate);
     expect_equal("condense", static_cast<std::size_t>(symbolic->values_size()), [&](auto& b, auto& out) { b.condense(some, ratio, out.data()); });
     for (int k = 0; k < 2; ++k) {  // the second time with the products of the first
       expect_equal("right_hand_side", x.size(),
                    [&](auto& b, auto& out) { b.right_hand_side(some, mu, correction, out); });
-      both([&](auto& b) { b.recover(some, dx); });
-      expect_equal("boundary_ratio", components, [&](auto& b, auto& out) { b.boundary_ratio(some, out); });
+      expect_equal("recover", components, [&](auto& b, auto& out) { b.recover(some, dx, out); });
       expect_equal("complementarity", components, [&](auto& b, auto& out) { b.complementarity(some, alpha, out); });
     }
     both([&](auto& b) { b.accept(some, alpha); });
     expect_laws_equal("accept");
     for (const double damping : {1.0, 0.5, 0.0}) {
       expect_equal("relax", components, [&](auto& b, auto& out) { b.relax(some, damping, out); });
-      expect_equal("evaluate relaxed", x.size(), [&](auto& b, auto& out) { b.evaluate(some, x, out); });
+      expect_equal("evaluate relaxed", x.size() + 2 * components, evaluate);
     }
     both([&](auto& b) { b.restore(some); });
     expect_laws_equal("restore");
@@ -172,13 +172,14 @@ TEST_P(PyramidContactsTest, OfANewStartForgetAStepThatWasNoNumber) {
   const std::vector<double> mu{0.1}, scale{2}, ratio{1e9}, none{0}, nowhere(x.size(), std::nan(""));
   const auto start_again = [&](auto& batch) {
     std::vector<double> rhs(x.size()), residual(x.size()), values(static_cast<std::size_t>(symbolic->values_size()));
+    std::vector<double> error(1), product(1), boundary(1);
     for (const auto& step : {nowhere, x}) {
       batch.start_cold(instances, 0.7, scale);
-      batch.evaluate(instances, x, residual);
+      batch.evaluate(instances, x, residual, scale, error, product);
       batch.condense(instances, ratio, values.data());
       std::fill(rhs.begin(), rhs.end(), 0.0);
       batch.right_hand_side(instances, mu, none, rhs);
-      batch.recover(instances, step);
+      batch.recover(instances, step, boundary);
     }
     for (const double value : rhs) EXPECT_TRUE(std::isfinite(value));
   };

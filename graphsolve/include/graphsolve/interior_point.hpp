@@ -10,6 +10,10 @@
 
 namespace graphsolve {
 
+namespace simd {
+struct VectorKernels;
+}
+
 struct InteriorPointSettings {
   double tolerance = 1e-8;       ///< natural residual, in the units that the row scales make
   double largest_product = 1e-15;  ///< s z / scale of every pair at the end (its creep times its reserve)
@@ -81,6 +85,7 @@ class InteriorPoint {
     std::vector<int> all;        ///< active instances
     std::vector<int> begin;      ///< by component, into all
     std::vector<int> running;    ///< those of running components
+    std::uint64_t version = 0;   ///< of `running`
   };
   enum class Phase { full, frozen, polish };
   enum class With { residual_alone, matrix };
@@ -92,11 +97,13 @@ class InteriorPoint {
   void run_all();
   [[nodiscard]] static Instances of_component(const Lists& lists, int component) {
     return {std::span(lists.all).subspan(lists.begin[component], lists.begin[component + 1] - lists.begin[component]),
-            lists.component};
+            lists.component, 0};
   }
-  [[nodiscard]] Instances running(const Lists& lists) const { return {lists.running, lists.component}; }
+  [[nodiscard]] static Instances running(const Lists& lists) { return {lists.running, lists.component, lists.version}; }
   template <class F>
-  void each_row(int component, F&& f) const;
+  void each_run(int component, F&& f) const;
+  void copy_rows(int component, std::span<const double> from, std::span<double> to) const;
+  void move_by(int component, double factor);
 
   void begin(std::span<const double> x, double force_factor, std::span<const double> noise);
   void start_warm();
@@ -133,6 +140,7 @@ class InteriorPoint {
   struct RowRange {
     int begin, end;
   };
+  const simd::VectorKernels* kernels_;
   std::vector<RowRange> row_ranges_;   ///< rows of each component, neighbours joined
   std::vector<int> row_range_begin_;   ///< by component, into row_ranges_
   std::vector<double> x_, start_, dx_, rhs_, residual_, row_scale_;
@@ -159,10 +167,11 @@ class InteriorPoint {
   Profile* profile_ = nullptr;
 };
 
+/// f(first, count) for its rows, as few runs as they make.
 template <class F>
-void InteriorPoint::each_row(int component, F&& f) const {
+void InteriorPoint::each_run(int component, F&& f) const {
   for (int r = row_range_begin_[component]; r < row_range_begin_[component + 1]; ++r)
-    for (int i = row_ranges_[r].begin; i < row_ranges_[r].end; ++i) f(i);
+    f(row_ranges_[r].begin, row_ranges_[r].end - row_ranges_[r].begin);
 }
 
 }  // namespace graphsolve

@@ -38,19 +38,17 @@ class PortBatch {
   /// s = velocity, z = scale velocity for every pair.
   virtual void start_cold(Instances, double velocity, std::span<const double> scale) = 0;
 
-  /// u, J2 and the local residuals at x; residual -= J1^T f.
-  virtual void evaluate(Instances, std::span<const double> x, std::span<double> residual) = 0;
-  /// By component: error = max(error, local natural residual), product = max(product, s z).
-  virtual void natural_error(Instances, std::span<const double> scale, std::span<double> error,
-                             std::span<double> product) const = 0;
+  /// u, J2 and the local residuals at x; residual -= J1^T f. By component: error = max(error, local natural residual),
+  /// product = max(product, s z).
+  virtual void evaluate(Instances, std::span<const double> x, std::span<double> residual, std::span<const double> scale,
+                        std::span<double> error, std::span<double> product) = 0;
   /// values += J1^T K J2, with z/s of every pair bounded by largest_ratio (by component).
   virtual void condense(Instances, std::span<const double> largest_ratio, double* values) = 0;
   /// rhs += J1^T f0; correction (by component) weighs the products of the last recovered step.
   virtual void right_hand_side(Instances, std::span<const double> mu, std::span<const double> correction,
                                std::span<double> rhs) = 0;
-  virtual void recover(Instances, std::span<const double> dx) = 0;
-  /// ratio = max(ratio, -dz/z, -ds/s): the step to the boundary is 1 / ratio.
-  virtual void boundary_ratio(Instances, std::span<double> ratio) const = 0;
+  /// ds, dz of a step dx. By component: ratio = max(ratio, -dz/z, -ds/s); the step to the boundary is 1 / ratio.
+  virtual void recover(Instances, std::span<const double> dx, std::span<double> ratio) = 0;
   /// sum += s z after a step of alpha (by component).
   virtual void complementarity(Instances, std::span<const double> alpha, std::span<double> sum) const = 0;
   virtual void accept(Instances, std::span<const double> alpha) = 0;
@@ -117,18 +115,14 @@ class PortLawBatch final : public PortBatch {
   void start_cold(Instances instances, double velocity, std::span<const double> scale) override {
     for (const int i : instances.index) laws_[i].start_cold(velocity, scale[instances.component[i]]);
   }
-  void evaluate(Instances instances, std::span<const double> x, std::span<double> residual) override {
+  void evaluate(Instances instances, std::span<const double> x, std::span<double> residual, std::span<const double> scale,
+                std::span<double> error, std::span<double> product) override {
     double u[rows], f[rows];
     for (const int i : instances.index) {
+      const int c = instances.component[i];
       ports_[i].evaluate(x, u);
       laws_[i].residual(u, f);
       ports_[i].add_force(f, residual.data(), -1.0);
-    }
-  }
-  void natural_error(Instances instances, std::span<const double> scale, std::span<double> error,
-                     std::span<double> product) const override {
-    for (const int i : instances.index) {
-      const int c = instances.component[i];
       keep_largest(error[c], laws_[i].natural_error(scale[c]));
       keep_largest(product[c], laws_[i].largest_product());
     }
@@ -149,15 +143,13 @@ class PortLawBatch final : public PortBatch {
       ports_[i].add_force(f, rhs.data(), 1.0);
     }
   }
-  void recover(Instances instances, std::span<const double> dx) override {
+  void recover(Instances instances, std::span<const double> dx, std::span<double> ratio) override {
     double du[rows];
     for (const int i : instances.index) {
       ports_[i].rate(dx.data(), du);
       laws_[i].recover(du);
+      keep_largest(ratio[instances.component[i]], laws_[i].boundary_ratio());
     }
-  }
-  void boundary_ratio(Instances instances, std::span<double> ratio) const override {
-    for (const int i : instances.index) keep_largest(ratio[instances.component[i]], laws_[i].boundary_ratio());
   }
   void complementarity(Instances instances, std::span<const double> alpha, std::span<double> sum) const override {
     for (const int i : instances.index) {

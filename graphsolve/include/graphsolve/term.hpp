@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,8 @@ class Wiring {
       : symbolic_(symbolic), graph_(graph), claims_(claims) {}
   /// First row of the node in every vector (unknowns, residual).
   [[nodiscard]] int row(NodeId node) const { return graph_.row(node); }
+  /// Connected component that the node belongs to.
+  [[nodiscard]] int component(NodeId node) const { return symbolic_.component(node); }
   /// Derivative of the rows of `a` by the unknowns of `b`.
   [[nodiscard]] BlockHandle block(NodeId a, NodeId b) const { return symbolic_.block(a, b); }
   /// The same, of a term that *assigns* every entry of this block whenever it makes the matrix, before anything is added
@@ -38,6 +41,9 @@ class Wiring {
 struct Instances {
   std::span<const int> index;
   std::span<const int> component;  ///< by instance
+  /// Lists of one version are equal, for one batch and since it was wired: what was worked out for one holds for the
+  /// next. 0: a list of its own.
+  std::uint64_t version = 0;
 };
 
 /// Which blocks of the matrix the nodes of one instance make.

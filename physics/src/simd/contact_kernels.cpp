@@ -140,39 +140,38 @@ void StartCold(const ContactTask& task, double velocity) {
   }
 }
 
-void Evaluate(const ContactTask& task) {
-  ContactOctet& o = *task.octet;
-  const Rows u = measure(task);
-  Pack z[pairs];
-  for (int k = 0; k < pairs; ++k) z[k] = load(o.z[k]);
-  store(u.n - load(o.s[0]), o.residual[0]);
-  const Pack psi = load(o.s[bound]);
-  for (int i = 0; i < facets; ++i) store(along(u, i) + psi - load(o.s[1 + i]), o.residual[1 + i]);
-  const Pack most = gs::select(load(o.frozen) > Pack(0.5), load(o.frozen_bound), load(o.friction) * z[0]);
-  store(most - (z[1] + z[2] + z[3] + z[4]) - z[bound], o.residual[bound]);
-  add_force(task, {z[0], z[1] - z[3], z[2] - z[4]}, -1.0);
-}
-
-void NaturalError(ContactTask& task) {
-  const ContactOctet& o = *task.octet;
-  const Pack lighter = Pack(1.0) / load(task.second), held = load(o.s[bound]);
-  Pack slip[facets], psi(0.0);
+/// Largest product, and the natural error: what is left when psi is taken from the slip that is.
+HWY_INLINE void judge(ContactTask& task, const Pack* s, const Pack* z, const Pack* residual) {
+  const Pack lighter = Pack(1.0) / load(task.second);
+  Pack slip[facets], psi(0.0), largest(0.0), product(0.0);
   for (int i = 0; i < facets; ++i) {
-    slip[i] = load(o.s[1 + i]) + load(o.residual[1 + i]) - held;
+    slip[i] = s[1 + i] + residual[1 + i] - s[bound];
     psi = gs::max(psi, -slip[i]);
   }
-  Pack largest(0.0), product(0.0);
-  const Pack off = gs::abs(load(o.residual[bound])) * lighter;
+  const Pack off = gs::abs(residual[bound]) * lighter;
   for (int k = 0; k < pairs; ++k) {
-    const Pack s = load(o.s[k]), z = load(o.z[k]), velocity = z * lighter;
-    const Pack slack = k == bound ? off : gs::abs(load(o.residual[k]));
+    const Pack velocity = z[k] * lighter, slack = k == bound ? off : gs::abs(residual[k]);
     keep_largest(largest, slack);
     if (k == bound) keep_largest(largest, gs::min(psi, velocity + off));
-    else keep_largest(largest, gs::min(k == 0 ? s + slack : slip[k - 1] + psi, velocity));
-    keep_largest(product, s * z);
+    else keep_largest(largest, gs::min(k == 0 ? s[k] + slack : slip[k - 1] + psi, velocity));
+    keep_largest(product, s[k] * z[k]);
   }
   store(largest, task.out);
   store(product, task.also_out);
+}
+
+void Evaluate(ContactTask& task) {
+  ContactOctet& o = *task.octet;
+  const Rows u = measure(task);
+  Pack s[pairs], z[pairs], residual[pairs];
+  for (int k = 0; k < pairs; ++k) s[k] = load(o.s[k]), z[k] = load(o.z[k]);
+  residual[0] = u.n - s[0];
+  for (int i = 0; i < facets; ++i) residual[1 + i] = along(u, i) + s[bound] - s[1 + i];
+  const Pack most = gs::select(load(o.frozen) > Pack(0.5), load(o.frozen_bound), load(o.friction) * z[0]);
+  residual[bound] = most - (z[1] + z[2] + z[3] + z[4]) - z[bound];
+  for (int k = 0; k < pairs; ++k) store(residual[k], o.residual[k]);
+  judge(task, s, z, residual);
+  add_force(task, {z[0], z[1] - z[3], z[2] - z[4]}, -1.0);
 }
 
 void Condense(const ContactTask& task) {
@@ -240,7 +239,7 @@ void RightHandSide(const ContactTask& task) {
   add_force(task, {-weighted[0], weighted[3] - weighted[1], weighted[4] - weighted[2]}, 1.0);
 }
 
-void Recover(const ContactTask& task) {
+void Recover(ContactTask& task) {
   ContactOctet& o = *task.octet;
   const Keeper keep(task.used);  // the next right-hand side reads these changes, and may be of other contacts
   Pack dx[6];
@@ -251,24 +250,19 @@ void Recover(const ContactTask& task) {
   Pack psi = friction(o) * load(o.ratio[0]) * du.n;
   for (int i = 0; i < facets; ++i) psi -= load(o.ratio[1 + i]) * along(du, i);
   psi = load(o.psi_shift) + psi * load(o.one_over_sum);
+  Pack ratio(0.0);
   const auto finish = [&](int k, const Pack& dz) HWY_ATTR {
+    const Pack inverse_z = load(o.inverse_z[k]), ds = -(load(o.defect[k]) + load(o.s[k]) * dz) * inverse_z;
     keep(dz, o.dz[k]);
-    keep(-(load(o.defect[k]) + load(o.s[k]) * dz) * load(o.inverse_z[k]), o.ds[k]);
+    keep(ds, o.ds[k]);
+    keep_largest(ratio, -dz * inverse_z);
+    keep_largest(ratio, -ds * load(o.inverse_s[k]));
   };
   finish(0, -load(o.ratio[0]) * (du.n + load(o.shift[0])));
   for (int i = 0; i < facets; ++i) finish(1 + i, -load(o.ratio[1 + i]) * (along(du, i) + psi + load(o.shift[1 + i])));
   // As in the other pairs: the impulse from the condensed system, the velocity from the product.
   finish(bound, -load(o.defect[bound]) * load(o.inverse_s[bound]) - load(o.ratio[bound]) * psi);
-}
-
-void BoundaryRatio(ContactTask& task) {
-  const ContactOctet& o = *task.octet;
-  Pack largest(0.0);
-  for (int k = 0; k < pairs; ++k) {
-    keep_largest(largest, -load(o.dz[k]) * load(o.inverse_z[k]));
-    keep_largest(largest, -load(o.ds[k]) * load(o.inverse_s[k]));
-  }
-  store(largest, task.out);
+  store(ratio, task.out);
 }
 
 void Complementarity(ContactTask& task) {
@@ -296,11 +290,9 @@ ContactKernels Contacts() {
           .start_warm = StartWarm,
           .start_cold = StartCold,
           .evaluate = Evaluate,
-          .natural_error = NaturalError,
           .condense = Condense,
           .right_hand_side = RightHandSide,
           .recover = Recover,
-          .boundary_ratio = BoundaryRatio,
           .complementarity = Complementarity,
           .accept = Accept};
 }

@@ -46,12 +46,11 @@ struct ContactKernels {
   void (*restore)(const ContactTask&);
   void (*start_warm)(const ContactTask&);                  ///< first: mu; second: scale
   void (*start_cold)(const ContactTask&, double velocity); ///< second: scale
-  void (*evaluate)(const ContactTask&);                    ///< rows -= J1^T f
-  void (*natural_error)(ContactTask&);                     ///< second: scale; out: error, also_out: largest product
+  /// rows -= J1^T f; second: scale; out: natural error, also_out: largest product
+  void (*evaluate)(ContactTask&);
   void (*condense)(const ContactTask&);                    ///< first: largest ratio; block += J1^T K J2
   void (*right_hand_side)(const ContactTask&);             ///< first: mu; second: correction; rows += J1^T f0
-  void (*recover)(const ContactTask&);
-  void (*boundary_ratio)(ContactTask&);                    ///< out
+  void (*recover)(ContactTask&);                           ///< out: boundary ratio
   void (*complementarity)(ContactTask&);                   ///< first: alpha; out
   void (*accept)(const ContactTask&);                      ///< first: alpha
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -38,26 +39,39 @@ class OctetGroups {
  public:
   void resize(int octets) {
     used_.assign(octets, 0);
-    touched_.reserve(octets);
+    groups_.reserve(octets);
+    version_ = 0;
   }
   /// f(octet, used) with a bit per lane, in ascending order whatever the order of the list, so that sums do not depend
-  /// on it. place(item): where it lies.
+  /// on it. place(item): where it lies. A list of the same version as the last (but 0) is not looked at again.
   template <class Place, class F>
-  void each(std::span<const int> items, Place&& place, F&& f) {
-    touched_.clear();
-    for (const int i : items) {
-      const int p = place(i);
-      unsigned& used = used_[octet_of(p)];
-      if (used == 0) touched_.push_back(octet_of(p));
-      used |= 1u << lane_of(p);
-    }
-    if (!std::is_sorted(touched_.begin(), touched_.end())) std::sort(touched_.begin(), touched_.end());
-    for (const int octet : touched_) f(octet, std::exchange(used_[octet], 0u));
+  void each(std::span<const int> items, std::uint64_t version, Place&& place, F&& f) {
+    if (version == 0 || version != version_) sort(items, place);
+    version_ = version;
+    for (const auto& [octet, used] : groups_) f(octet, used);
   }
 
  private:
+  template <class Place>
+  void sort(std::span<const int> items, Place&& place) {
+    groups_.clear();
+    for (const int i : items) {
+      const int p = place(i);
+      unsigned& used = used_[octet_of(p)];
+      if (used == 0) groups_.push_back({octet_of(p), 0});
+      used |= 1u << lane_of(p);
+    }
+    if (!std::ranges::is_sorted(groups_, {}, &Group::octet)) std::ranges::sort(groups_, {}, &Group::octet);
+    for (auto& [octet, used] : groups_) used = std::exchange(used_[octet], 0u);
+  }
+
+  struct Group {
+    int octet;
+    unsigned used;
+  };
   std::vector<unsigned> used_;
-  std::vector<int> touched_;
+  std::vector<Group> groups_;
+  std::uint64_t version_ = 0;
 };
 
 /// f(lane, place) for all eight lanes; those that are not used stand in for the first that is.
