@@ -52,7 +52,7 @@ Status InteriorPoint::solve(std::span<double> x, double force_factor, std::span<
       continue;
     }
     if (running_.empty()) break;
-    if (!linearized_) evaluate(With::matrix);
+    if (!linearized_) evaluate_terms(With::matrix, rhs_);  // the residual is there, the ports' forces in it
     laps.add_to(&Profile::evaluate);
     const bool regular = factorize();
     laps.add_to(&Profile::factorize);
@@ -90,17 +90,17 @@ bool InteriorPoint::most_expect_to_end() const {
 }
 
 void InteriorPoint::evaluate(With with) {
-  evaluate_terms(with);
+  evaluate_terms(with, residual_);
   evaluate_ports();
 }
 
-void InteriorPoint::evaluate_terms(With with) {
+void InteriorPoint::evaluate_terms(With with, std::span<double> residual) {
   linearized_ = with == With::matrix || !scales_known_;
   if (linearized_) factorization_.set_zero(running_);
-  for (const int c : running_) each_run(c, [&](int first, int count) { std::fill_n(residual_.data() + first, count, 0.0); });
+  for (const int c : running_) each_run(c, [&](int first, int count) { std::fill_n(residual.data() + first, count, 0.0); });
   const auto terms = problem_.terms();
   double* values = linearized_ ? factorization_.values().data() : nullptr;
-  for (std::size_t b = 0; b < terms.size(); ++b) terms[b]->evaluate(running(term_lists_[b]), x_, residual_, values);
+  for (std::size_t b = 0; b < terms.size(); ++b) terms[b]->evaluate(running(term_lists_[b]), x_, residual, values);
   if (!scales_known_) set_default_scales();
 }
 

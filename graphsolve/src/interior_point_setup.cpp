@@ -163,7 +163,7 @@ void InteriorPoint::start_warm() {
       if (!port_lists_[b].running.empty()) ports[b]->start_warm(running(port_lists_[b]), x_, mu_, scale_);
   };
   // Ports may read what terms compute from x. A solve that may end where it starts needs no matrix.
-  evaluate_terms(most_expect_to_end() ? With::residual_alone : With::matrix);
+  evaluate_terms(most_expect_to_end() ? With::residual_alone : With::matrix, residual_);
   for (const int c : running_) copy_rows(c, residual_, rhs_);
   for (const int c : running_) mu_[c] = mu_floor_[c];
   start();

@@ -108,7 +108,7 @@ class InteriorPoint {
   void begin(std::span<const double> x, double force_factor, std::span<const double> noise);
   void start_warm();
   void evaluate(With with);
-  void evaluate_terms(With with);
+  void evaluate_terms(With with, std::span<double> residual);
   [[nodiscard]] bool most_expect_to_end() const;
   void evaluate_ports();
   void set_default_scales();
