@@ -58,6 +58,11 @@ class Bodies final : public graphsolve::Term {
   /// is none. Once they are wired.
   [[nodiscard]] const BodyAtOctet* octet_of_all(std::span<const int, graphsolve::simd::lanes> body) const;
   [[nodiscard]] graphsolve::NodeId node(int body) const { return node_[body]; }
+  [[nodiscard]] graphsolve::BlockHandle block(int body) const {  ///< its own; once they are wired
+    const auto& blocks = blocks_[octet_of(place_[body])];
+    const int lane = lane_of(place_[body]);
+    return {.offset = blocks.place(lane), .rows = 6, .columns = 6, .stride = blocks.stride(lane)};
+  }
 
   [[nodiscard]] int size() const override { return static_cast<int>(node_.size()); }
   [[nodiscard]] std::span<const graphsolve::NodeId> nodes(int i) const override { return {&node_[i], 1}; }

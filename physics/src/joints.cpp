@@ -37,16 +37,21 @@ JointRows rows_kind(const JointGeometry& geometry, const Motor* motor) {
   return JointRows::fixed;
 }
 
-void set_octet(const JointGeometry& geometry, const Mat3& frame, JointOctet& octet, int lane) {
-  const Mat3 orientation = geometry.orientation.toRotationMatrix();
+void set_lane(const JointGeometry& geometry, JointPoints& points, int lane) {
   for (int k = 0; k < 3; ++k) {
-    octet.child_point[k][lane] = geometry.child_point[k];
-    octet.parent_point[k][lane] = geometry.parent_point[k];
-    octet.axis[k][lane] = geometry.axis[k];
-    for (int side = 0; side < 2; ++side) octet.side[side][k][lane] = frame(side, k);
+    points.child[k][lane] = geometry.child_point[k];
+    points.parent[k][lane] = geometry.parent_point[k];
   }
-  for (int k = 0; k < 4; ++k) octet.orientation[k][lane] = geometry.orientation.coeffs()[k];
-  for (int k = 0; k < 9; ++k) octet.orientation_matrix[k][lane] = orientation.data()[k];
+}
+
+void set_lane(const JointGeometry& geometry, JointFrames& frames, int lane) {
+  const Mat3 frame = frame_about(geometry.axis), orientation = geometry.orientation.toRotationMatrix();
+  for (int k = 0; k < 3; ++k) {
+    frames.axis[k][lane] = geometry.axis[k];
+    for (int side = 0; side < 2; ++side) frames.side[side][k][lane] = frame(side, k);
+  }
+  for (int k = 0; k < 4; ++k) frames.orientation[k][lane] = geometry.orientation.coeffs()[k];
+  for (int k = 0; k < 9; ++k) frames.orientation_matrix[k][lane] = orientation.data()[k];
 }
 
 /// Rows x 6 of one lane.
@@ -60,97 +65,110 @@ Joints::Matrix6 rows_at(const Octet* entries, int rows, int lane) {
 }  // namespace
 
 int Joints::rows_of(const JointGeometry& geometry, const Motor* motor) {
-  switch (geometry.type) {
-    case JointType::fixed: return 6;
-    case JointType::spherical: return 3;
-    case JointType::revolute:
-    case JointType::prismatic: return motor ? 6 : 5;
-  }
-  return 0;
+  return physics::rows_of(rows_kind(geometry, motor));
+}
+
+Mat3 Joints::locked_translations(const JointGeometry& geometry) {
+  return geometry.type == JointType::prismatic ? frame_about(geometry.axis) : Mat3::Identity();
+}
+
+Mat3 Joints::locked_rotations(const JointGeometry& geometry) {
+  return geometry.type == JointType::revolute ? frame_about(geometry.axis) : Mat3::Identity();
 }
 
 void Joints::add(const JointGeometry& geometry, const Motor* motor, graphsolve::NodeId node) {
-  Joint joint{};
-  joint.nodes[0] = node;
-  joint.node_count = 1;
+  Joint joint{.geometry = geometry, .motor = motor, .kind = rows_kind(geometry, motor), .nodes = {node}, .node_count = 1};
   if (geometry.child >= 0) joint.nodes[joint.node_count++] = bodies_.node(geometry.child);
   if (geometry.parent >= 0) joint.nodes[joint.node_count++] = bodies_.node(geometry.parent);
   joints_.push_back(joint);
   to_aim_.reserve(joints_.size());
   wrenches_.emplace_back();
-  set(size() - 1, geometry, motor);
 }
 
 void Joints::set(int i, const JointGeometry& geometry, const Motor* motor) {
   Joint& joint = joints_[i];
   joint.geometry = geometry;
   joint.motor = motor;
-  joint.translation_rows = geometry.type == JointType::prismatic ? 2 : 3;
-  joint.rotation_rows = geometry.type == JointType::spherical ? 0 : geometry.type == JointType::revolute ? 2 : 3;
-  joint.rows = rows_of(geometry, motor);
-  const Mat3 frame = frame_about(geometry.axis);
-  joint.translation = geometry.type == JointType::prismatic ? frame : Mat3::Identity();
-  joint.rotation = geometry.type == JointType::revolute ? frame : Mat3::Identity();
-  if (joint.place >= 0) set_octet(geometry, frame, octets_[octet_of(joint.place)], lane_of(joint.place));
+  joint.kind = rows_kind(geometry, motor);
+  if (joint.place < 0) return;
+  const int octet = octet_of(joint.place), lane = lane_of(joint.place), frames = octets_[octet].frames;
+  set_lane(geometry, points_[octet], lane);
+  if (frames >= 0) set_lane(geometry, frames_[frames], lane);
 }
 
 void Joints::wire(const graphsolve::Wiring& wiring) {
   if (joints_.empty()) return;
+  std::vector<Placed> placed;
   for (Joint& joint : joints_) {
     const auto own = joint.nodes[0];
+    placed.push_back({static_cast<int>(joint.kind), wiring.block(own, own)});
     joint.row = wiring.row(own);
-    joint.own = wiring.block(own, own);
-    const auto connect = [&](int body, int& row, graphsolve::BlockHandle& to, graphsolve::BlockHandle& from,
-                             graphsolve::BlockHandle& own_block) {
-      if (body < 0) return;
-      own_block = wiring.block(bodies_.node(body), bodies_.node(body));
-      row = wiring.row(bodies_.node(body));
-      to = wiring.claim(own, bodies_.node(body));
-      from = wiring.claim(bodies_.node(body), own);
-    };
-    connect(joint.geometry.parent, joint.parent_row, joint.to_parent, joint.from_parent, joint.parent_own);
-    connect(joint.geometry.child, joint.child_row, joint.to_child, joint.from_child, joint.child_own);
+    if (joint.geometry.parent >= 0) joint.parent_row = wiring.row(bodies_.node(joint.geometry.parent));
+    if (joint.geometry.child >= 0) joint.child_row = wiring.row(bodies_.node(joint.geometry.child));
   }
-  place_in_octets();
+  kernels_ = joint_kernels();
+  move_to(places_in_octets(placed));
+  find_blocks(wiring);
+  find_neighbours();
 }
 
-void Joints::place_in_octets() {
-  std::vector<Placed> placed;
-  for (const Joint& joint : joints_) placed.push_back({static_cast<int>(rows_kind(joint.geometry, joint.motor)), joint.own});
-  const std::vector<int> places = places_in_octets(placed);
+/// Makes octets for these places, by joint. Motors and force directions come along from where they were.
+void Joints::move_to(std::span<const int> places) {
   const int octets = octets_for(1 + *std::max_element(places.begin(), places.end()));
-  const std::vector<JointOctet> before = std::exchange(octets_, std::vector<JointOctet>(octets));
-  const std::vector<MotorOctet> motors_before = std::exchange(motors_, std::vector<MotorOctet>(octets));
-  octet_rows_.assign(octets, {});
-  kernels_ = joint_kernels();
-  blocks_.assign(octets, {});
+  const auto octets_before = std::exchange(octets_, std::vector<JointOctet>(octets));
+  const auto motors_before = std::exchange(motors_, {});
+  const auto forces_before = std::exchange(forces_, {});
+  points_.assign(octets, {});
   joint_at_.assign(octets * graphsolve::simd::lanes, -1);
   groups_.resize(octets);
   for (int i = 0; i < size(); ++i) {
+    joint_at_[places[i]] = i;
+    octets_[octet_of(places[i])].kind = joints_[i].kind;
+  }
+  int frames = 0, motors = 0, forces = 0;
+  for (JointOctet& octet : octets_) {
+    if (octet.kind != JointRows::spherical) octet.frames = frames++;
+    if (physics::has_motor(octet.kind)) octet.motor = motors++;
+    octet.forces = forces;
+    forces += 12 * physics::rows_of(octet.kind);
+  }
+  frames_.assign(frames, {});
+  motors_.assign(motors, {});
+  forces_.assign(forces, {});
+  for (int i = 0; i < size(); ++i) {
     Joint& joint = joints_[i];
-    const int octet = octet_of(places[i]), lane = lane_of(places[i]);
-    if (joint.place >= 0) {
-      copy_lane(before[octet_of(joint.place)], lane_of(joint.place), octets_[octet], lane);
-      copy_lane(motors_before[octet_of(joint.place)], lane_of(joint.place), motors_[octet], lane);
-    }
-    joint.place = places[i];
-    joint_at_[joint.place] = i;
-    octet_rows_[octet] = static_cast<JointRows>(placed[i].kind);
+    const int before = std::exchange(joint.place, places[i]);
     set(i, joint.geometry, joint.motor);
-    JointBlocks& blocks = blocks_[octet];
-    blocks.own.set(lane, joint.own);
-    const auto& g = joint.geometry;
-    if (g.child >= 0) blocks.to_child.set(lane, joint.to_child), blocks.from_child.set(lane, joint.from_child);
-    if (g.parent >= 0) blocks.to_parent.set(lane, joint.to_parent), blocks.from_parent.set(lane, joint.from_parent);
+    if (before < 0) continue;
+    const JointOctet &from = octets_before[octet_of(before)], &to = octets_[octet_of(joint.place)];
+    const int from_lane = lane_of(before), to_lane = lane_of(joint.place);
+    if (joint.motor) copy_lane(motors_before[from.motor], from_lane, motors_[to.motor], to_lane);
+    for (int e = 0; e < 12 * physics::rows_of(joint.kind); ++e)
+      forces_[to.forces + e][to_lane] = forces_before[from.forces + e][from_lane];
+  }
+}
+
+void Joints::find_blocks(const graphsolve::Wiring& wiring) {
+  blocks_.assign(octets_.size(), {});
+  for (const Joint& joint : joints_) {
+    const auto own = joint.nodes[0];
+    const int lane = lane_of(joint.place);
+    JointBlocks& blocks = blocks_[octet_of(joint.place)];
+    blocks.own.set(lane, wiring.block(own, own));
+    const auto connect = [&](int body, graphsolve::simd::LaneBlocks& to, graphsolve::simd::LaneBlocks& from) {
+      if (body < 0) return;
+      to.set(lane, wiring.claim(own, bodies_.node(body)));
+      from.set(lane, wiring.claim(bodies_.node(body), own));
+    };
+    connect(joint.geometry.parent, blocks.to_parent, blocks.from_parent);
+    connect(joint.geometry.child, blocks.to_child, blocks.from_child);
   }
   for (JointBlocks& blocks : blocks_)
     for (auto* some : {&blocks.own, &blocks.to_child, &blocks.from_child, &blocks.to_parent, &blocks.from_parent}) some->finish();
-  find_neighbours();
 }
 
 /// Octets of bodies that lie in the lanes of their joints.
 void Joints::find_neighbours() {
-  neighbours_.assign(octets_.size(), {});
   for (int octet = 0; octet < static_cast<int>(octets_.size()); ++octet) {
     constexpr int lanes = graphsolve::simd::lanes;
     std::array<int, lanes> parent, child;
@@ -159,46 +177,70 @@ void Joints::find_neighbours() {
       parent[l] = i < 0 ? Bodies::nothing : joints_[i].geometry.parent;
       child[l] = i < 0 ? Bodies::nothing : joints_[i].geometry.child;
     }
-    neighbours_[octet] = {bodies_.octet_of_all(parent), bodies_.octet_of_all(child)};
+    octets_[octet].parents = bodies_.octet_of_all(parent);
+    octets_[octet].children = bodies_.octet_of_all(child);
   }
 }
 
 void Joints::violation(const Joint& joint, const Pose& a, const Pose& b, double* g) const {
   const JointGeometry& geometry = joint.geometry;
   const Vec3 d = b.x + b.rotation * geometry.child_point - a.x - a.rotation * geometry.parent_point;
-  if (joint.translation_rows == 3) {
+  const int translations = physics::translations(joint.kind);
+  if (translations == 3) {
     for (int i = 0; i < 3; ++i) g[i] = d[i];
   } else {
+    const Mat3 locked = locked_translations(geometry);
     const Vec3 local = a.rotation.transpose() * d;
-    for (int i = 0; i < joint.translation_rows; ++i) g[i] = joint.translation.row(i).dot(local);
+    for (int i = 0; i < translations; ++i) g[i] = locked.row(i).dot(local);
   }
-  if (joint.rotation_rows == 0) return;
+  if (rotations(joint.kind) == 0) return;
+  const Mat3 locked = locked_rotations(geometry);
   const Quat e = relative_rotation(geometry, a, b);
-  for (int i = 0; i < joint.rotation_rows; ++i)
-    g[joint.translation_rows + i] = 2 * joint.rotation.row(i).dot(e.vec());
+  for (int i = 0; i < rotations(joint.kind); ++i) g[translations + i] = 2 * locked.row(i).dot(e.vec());
 }
 
 void Joints::directions(const JointGeometry& geometry, const Motor* motor, const Pose& a, const Pose& b,
                         Matrix6& parent, Matrix6& child) {
-  JointOctet octet;
-  set_octet(geometry, frame_about(geometry.axis), octet, 0);
+  JointPoints points;
+  JointFrames frames;
+  Octet forces[2][36];
+  set_lane(geometry, points, 0);
+  set_lane(geometry, frames, 0);
   JointTask task;
   task.rows = rows_kind(geometry, motor);
-  task.octet = &octet;
+  task.points = &points;
+  task.frames = &frames;
+  task.child_force = forces[0];
+  task.parent_force = forces[1];
   task.used = 1;
   std::fill_n(task.parent, 8, a.x.data());
   std::fill_n(task.child, 8, b.x.data());
   joint_kernels().aim(task);
-  parent = rows_at(octet.parent_force, 6, 0);
-  child = rows_at(octet.child_force, 6, 0);
+  parent = rows_at(forces[1], 6, 0);
+  child = rows_at(forces[0], 6, 0);
 }
 
 Joints::Matrix6 Joints::parent_force(const Joint& joint) const {
-  return rows_at(octets_[octet_of(joint.place)].parent_force, joint.rows, lane_of(joint.place));
+  const int rows = physics::rows_of(joint.kind);
+  return rows_at(&forces_[octets_[octet_of(joint.place)].forces + 6 * rows], rows, lane_of(joint.place));
 }
 
 Joints::Matrix6 Joints::child_force(const Joint& joint) const {
-  return rows_at(octets_[octet_of(joint.place)].child_force, joint.rows, lane_of(joint.place));
+  return rows_at(&forces_[octets_[octet_of(joint.place)].forces], physics::rows_of(joint.kind), lane_of(joint.place));
+}
+
+/// With where the numbers of an octet lie.
+JointTask Joints::task_of(int octet, unsigned used) {
+  const JointOctet& o = octets_[octet];
+  JointTask task;
+  task.rows = o.kind;
+  task.points = &points_[octet];
+  task.frames = o.frames < 0 ? nullptr : &frames_[o.frames];
+  task.motor = o.motor < 0 ? nullptr : &motors_[o.motor];
+  task.child_force = &forces_[o.forces];
+  task.parent_force = task.child_force + 6 * physics::rows_of(o.kind);
+  task.used = used;
+  return task;
 }
 
 double Joints::coordinate(const Joint& joint, const Pose& a, const Pose& b) const {
@@ -214,7 +256,7 @@ void Joints::prepare(int i, double end_time, double impulse_time) {
   joint.impulse_time = impulse_time;
   to_aim_.push_back(i);
   if (!joint.motor) return;
-  MotorOctet& m = motors_[octet_of(joint.place)];
+  MotorOctet& m = motor_octet(joint);
   const int lane = lane_of(joint.place);
   m.stiffness[lane] = joint.motor->stiffness;
   m.damping[lane] = joint.motor->damping;
@@ -232,10 +274,7 @@ void Joints::aim() {
 void Joints::aim(std::span<const int> joints, bool at_next) {
   const auto pose = [&](int body) -> const Pose& { return at_next ? bodies_.pose_next(body) : bodies_.pose_now(body); };
   groups_.each(joints, 0, [&](int i) { return joints_[i].place; }, [&](int octet, unsigned used) {
-    JointTask task;
-    task.rows = octet_rows_[octet];
-    task.octet = &octets_[octet];
-    task.used = used;
+    JointTask task = task_of(octet, used);
     each_lane(octet, used, [&](int lane, int place) {
       const JointGeometry& g = joints_[joint_at_[place]].geometry;
       task.parent[lane] = pose(g.parent).x.data();
@@ -247,7 +286,7 @@ void Joints::aim(std::span<const int> joints, bool at_next) {
     Joint& joint = joints_[i];
     const JointGeometry& g = joint.geometry;
     const Pose &child = pose(g.child), &recorded = g.child >= 0 ? child : pose(g.parent);
-    joint.force_rotation = recorded.rotation;
+    joint.force_orientation = recorded.q;
     joint.force_arm = child.x + child.rotation * g.child_point - recorded.x;
   }
 }
@@ -263,7 +302,7 @@ double Joints::error(int i, const Pose& parent, const Pose& child) const {
   const Joint& joint = joints_[i];
   double g[6], largest = 0;
   violation(joint, parent, child, g);
-  for (int r = 0; r < joint.translation_rows + joint.rotation_rows; ++r) largest = std::max(largest, std::abs(g[r]));
+  for (int r = 0; r < constraints(joint.kind); ++r) largest = std::max(largest, std::abs(g[r]));
   return largest;
 }
 
@@ -272,9 +311,9 @@ void Joints::impulse(int i, std::span<const double> x, Vec3& linear, Vec3& angul
   const bool on_child = joint.geometry.child >= 0;
   const Matrix6 force = on_child ? child_force(joint) : parent_force(joint);
   Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
-  for (int r = 0; r < joint.rows; ++r) wrench += force.row(r).transpose() * x[joint.row + r];
+  for (int r = 0; r < rows(i); ++r) wrench += force.row(r).transpose() * x[joint.row + r];
   linear = wrench.head<3>();
-  angular = joint.force_rotation * wrench.tail<3>() - joint.force_arm.cross(linear);
+  angular = joint.force_orientation * wrench.tail<3>() - joint.force_arm.cross(linear);
   if (!on_child) linear = -linear, angular = -angular;
 }
 
@@ -284,7 +323,7 @@ double Joints::opening_rate(int i, std::span<const double> x) const {
   const Joint& joint = joints_[i];
   const Matrix6 on_child = child_force(joint), on_parent = parent_force(joint);
   double largest = 0;
-  for (int r = 0; r < joint.translation_rows + joint.rotation_rows; ++r) {
+  for (int r = 0; r < constraints(joint.kind); ++r) {
     double rate = 0;
     for (int j = 0; j < 6; ++j) {
       if (joint.child_row >= 0) rate += on_child(r, j) * x[joint.child_row + j];

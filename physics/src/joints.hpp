@@ -39,7 +39,7 @@ class Joints final : public graphsolve::Term {
   /// After a step that is kept: remembers the motor's coordinate.
   void commit(int i) {
     Joint& joint = joints_[i];
-    if (joint.motor) joint.coordinate = motors_[octet_of(joint.place)].next_coordinate[lane_of(joint.place)];
+    if (joint.motor) joint.coordinate = motor_octet(joint).next_coordinate[lane_of(joint.place)];
   }
   /// Keeps the motor's coordinate, or goes back to what was kept.
   void save(int i) { joints_[i].saved_coordinate = joints_[i].coordinate; }
@@ -65,10 +65,9 @@ class Joints final : public graphsolve::Term {
 
   [[nodiscard]] const JointGeometry& geometry(int i) const { return joints_[i].geometry; }
   [[nodiscard]] int row(int i) const { return joints_[i].row; }
-  [[nodiscard]] int rows(int i) const { return joints_[i].rows; }
+  [[nodiscard]] int rows(int i) const { return physics::rows_of(joints_[i].kind); }
   [[nodiscard]] bool has_motor(int i) const { return joints_[i].motor != nullptr; }
-  [[nodiscard]] int translation_rows(int i) const { return joints_[i].translation_rows; }
-  [[nodiscard]] int rotation_rows(int i) const { return joints_[i].rotation_rows; }
+  [[nodiscard]] int translation_rows(int i) const { return translations(joints_[i].kind); }
   /// Largest constraint violation between two poses [m, rad].
   [[nodiscard]] double error(int i, const Pose& parent, const Pose& child) const;
   /// Impulse on the child, world frame, and angular impulse about its joint point, from the multipliers.
@@ -81,18 +80,16 @@ class Joints final : public graphsolve::Term {
   struct Joint {
     JointGeometry geometry;
     const Motor* motor;
+    JointRows kind;
     std::array<graphsolve::NodeId, 3> nodes;  ///< own, child or parent, parent
     int node_count;
-    int translation_rows, rotation_rows, rows;
-    Eigen::Matrix<double, 3, 3> translation, rotation;  ///< locked axes as rows, parent frame
     int row = -1, parent_row = -1, child_row = -1;
-    graphsolve::BlockHandle own, to_parent, to_child, from_parent, from_child, parent_own, child_own;
     int place = -1;  ///< lane and octet that hold its numbers and force directions, once it is wired
     double coordinate = 0;              ///< of the motor at `now`
     double saved_coordinate = 0;
     double impulse_time = 0;  ///< impulse over force in this step [s]
     // Where the recorded body stood when the force acted on it: the child, or the parent of a child in the world.
-    Mat3 force_rotation = Mat3::Identity();
+    Quat force_orientation = Quat::Identity();
     Vec3 force_arm = Vec3::Zero();  ///< from its centre to the child's joint point, world
   };
 
@@ -100,10 +97,14 @@ class Joints final : public graphsolve::Term {
   /// Rows x 6: derivatives of the rows by (x, theta) of parent and child, theta in the body's frame.
   static void directions(const JointGeometry& geometry, const Motor* motor, const Pose& a, const Pose& b,
                          Matrix6& parent, Matrix6& child);
+  /// Locked axes as rows, parent frame.
+  static Mat3 locked_translations(const JointGeometry& geometry);
+  static Mat3 locked_rotations(const JointGeometry& geometry);
   [[nodiscard]] Matrix6 parent_force(const Joint& joint) const;  ///< rows x 6
   [[nodiscard]] Matrix6 child_force(const Joint& joint) const;
   double coordinate(const Joint& joint, const Pose& a, const Pose& b) const;
-  void place_in_octets();
+  void move_to(std::span<const int> places);
+  void find_blocks(const graphsolve::Wiring& wiring);
   void find_neighbours();
   void aim(std::span<const int> joints, bool at_next);
   void evaluate_octet(int octet, unsigned used, std::span<const double> x, std::span<double> residual, double* values);
@@ -116,20 +117,29 @@ class Joints final : public graphsolve::Term {
   void add_direction_derivative(const Joint& joint, const Vec3& impulse, double* values) const;
   /// Is the effort at its limit at the last point evaluated?
   [[nodiscard]] bool limited(const Joint& joint) const {
-    return motors_[octet_of(joint.place)].limited[lane_of(joint.place)] != 0;
+    return joint.motor && motor_octet(joint).limited[lane_of(joint.place)] != 0;
   }
 
   Bodies& bodies_;
   std::vector<Joint> joints_;
-  // Octets hold joints with equal rows.
-  std::vector<JointOctet> octets_;
-  std::vector<JointRows> octet_rows_;
-  std::vector<JointBlocks> blocks_;
-  std::vector<MotorOctet> motors_;
-  struct Neighbours {
-    const BodyAtOctet *parents, *children;
+  /// Eight joints with the same kind of rows, and where their numbers lie below: what the kind does not need is not there.
+  struct JointOctet {
+    JointRows kind;
+    int frames = -1, motor = -1;
+    int forces = 0;  ///< of the children, by row; then of the parents
+    const BodyAtOctet *parents = nullptr, *children = nullptr;  ///< octets of bodies that lie in the same lanes
   };
-  std::vector<Neighbours> neighbours_;
+  [[nodiscard]] JointTask task_of(int octet, unsigned used);
+  [[nodiscard]] MotorOctet& motor_octet(const Joint& joint) { return motors_[octets_[octet_of(joint.place)].motor]; }
+  [[nodiscard]] const MotorOctet& motor_octet(const Joint& joint) const {
+    return motors_[octets_[octet_of(joint.place)].motor];
+  }
+  std::vector<JointOctet> octets_;
+  std::vector<JointPoints> points_;  ///< by octet
+  std::vector<JointBlocks> blocks_;  ///< by octet
+  std::vector<JointFrames> frames_;
+  std::vector<MotorOctet> motors_;
+  std::vector<Octet> forces_;
   JointKernels kernels_{};
   std::vector<int> joint_at_;               ///< by place
   OctetGroups groups_;

@@ -15,16 +15,12 @@ void Joints::evaluate(graphsolve::Instances instances, std::span<const double> x
 
 void Joints::evaluate_octet(int octet, unsigned used, std::span<const double> x, std::span<double> residual,
                             double* values) {
-  JointTask task;
-  task.rows = octet_rows_[octet];
-  task.octet = &octets_[octet];
-  task.used = used;
+  JointTask task = task_of(octet, used);
   task.dt = bodies_.dt;
   task.values = values;
   task.blocks = &blocks_[octet];
-  task.motor = &motors_[octet];
-  task.parents = neighbours_[octet].parents;
-  task.children = neighbours_[octet].children;
+  task.parents = octets_[octet].parents;
+  task.children = octets_[octet].children;
   each_lane(octet, used, [&](int lane, int place) {
     const int i = joint_at_[place];
     const Joint& joint = joints_[i];
@@ -53,16 +49,16 @@ void Joints::add_forces(int i, std::span<const double> x, std::span<double> resi
 /// With directions at `next` the torque p x R^T impulse turns with the body. (Of the rows in all three axes of the
 /// world only; the others are left to converge as they do without it.)
 void Joints::add_direction_derivative(const Joint& joint, const Vec3& impulse, double* values) const {
-  if (joint.translation_rows != 3) return;
-  const auto add = [&](int body, const graphsolve::BlockHandle& block, const Vec3& point, double sign) {
+  if (translations(joint.kind) != 3) return;
+  const auto add = [&](int body, const Vec3& point, double sign) {
     if (body < 0) return;
     const Pose& pose = bodies_.next[body];
     const Vec3 local = pose.rotation.transpose() * impulse;
-    graphsolve::block_view(values, block).bottomRightCorner<3, 3>() -=
+    graphsolve::block_view(values, bodies_.block(body)).bottomRightCorner<3, 3>() -=
         sign * bodies_.dt * skew(point) * skew(local) * pose.turn;
   };
-  add(joint.geometry.child, joint.child_own, joint.geometry.child_point, 1);
-  add(joint.geometry.parent, joint.parent_own, joint.geometry.parent_point, -1);
+  add(joint.geometry.child, joint.geometry.child_point, 1);
+  add(joint.geometry.parent, joint.geometry.parent_point, -1);
 }
 
 }  // namespace physics

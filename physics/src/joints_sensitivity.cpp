@@ -35,13 +35,14 @@ struct Joints::DirectionDerivative {
 void Joints::differentiate_translation(const Joint& joint, std::span<const double> lambda, DirectionDerivative& d) const {
   const JointGeometry& g = joint.geometry;
   const Pose &a = bodies_.pose_now(g.parent), &b = bodies_.pose_now(g.child);
-  if (joint.translation_rows == 3) {
+  if (translations(joint.kind) == 3) {
     const Vec3 f(lambda[0], lambda[1], lambda[2]);
     d.child_by_child.bottomRightCorner<3, 3>() += skew(g.child_point) * skew(b.rotation.transpose() * f);
     d.parent_by_parent.bottomRightCorner<3, 3>() -= skew(g.parent_point) * skew(a.rotation.transpose() * f);
     return;
   }
-  Vec3 c = joint.translation.row(0).transpose() * lambda[0] + joint.translation.row(1).transpose() * lambda[1];
+  const Mat3 locked = locked_translations(g);
+  Vec3 c = locked.row(0).transpose() * lambda[0] + locked.row(1).transpose() * lambda[1];
   if (joint.motor) c += g.axis * lambda[5];
   const Vec3 arm = a.rotation.transpose() * (b.x + b.rotation * g.child_point - a.x);
   const Mat3 force_by_turn = -a.rotation * skew(c), to_parent = skew(c) * a.rotation.transpose();
@@ -60,14 +61,14 @@ void Joints::differentiate_translation(const Joint& joint, std::span<const doubl
 void Joints::differentiate_rotation(const Joint& joint, std::span<const double> lambda, DirectionDerivative& d) const {
   const JointGeometry& g = joint.geometry;
   const bool hinge_motor = joint.motor && g.type == JointType::revolute;
-  if (joint.rotation_rows == 0) return;
+  if (rotations(joint.kind) == 0) return;
   const Quat e = relative_rotation(g, bodies_.pose_now(g.parent), bodies_.pose_now(g.child));
   const Mat3 offset = g.orientation.toRotationMatrix(), v = skew(e.vec()), w = e.w() * Mat3::Identity();
   const QuaternionRate by_child{-0.5 * e.vec().transpose() * offset, 0.5 * (w + v) * offset};
   const QuaternionRate by_parent{0.5 * e.vec().transpose(), -0.5 * (w - v)};
+  const Mat3 locked = locked_rotations(g);
   Vec3 r = Vec3::Zero();
-  for (int i = 0; i < joint.rotation_rows; ++i)
-    r += joint.rotation.row(i).transpose() * lambda[joint.translation_rows + i];
+  for (int i = 0; i < rotations(joint.kind); ++i) r += locked.row(i).transpose() * lambda[translations(joint.kind) + i];
   const auto on_child = [&](const QuaternionRate& by) -> Mat3 {
     Mat3 m = r * by.scalar + skew(r) * by.vector;
     if (hinge_motor) m += lambda[5] * hinge_direction_derivative(g.axis, e, by, 1);
@@ -88,16 +89,17 @@ void Joints::differentiate_rotation(const Joint& joint, std::span<const double> 
 /// The joint's own rows: g(z2) / dt, and a motor that also knows its coordinate at z1.
 void Joints::differentiate_rows(const Joint& joint, Sensitivity& out) const {
   const JointGeometry& g = joint.geometry;
+  const int rows = physics::rows_of(joint.kind);
   Matrix6 parent, child;
   directions(g, joint.motor, bodies_.pose_next(g.parent), bodies_.pose_next(g.child), parent, child);
   const double damped =
       joint.motor ? joint.motor->damping / (joint.motor->stiffness * bodies_.dt + joint.motor->damping) : 0;
   const auto push = [&](int body, Matrix6& by_next, const Matrix6& force) {
     if (body < 0) return;
-    by_next.topRightCorner(joint.rows, 3) *= out.carry[body];
+    by_next.topRightCorner(rows, 3) *= out.carry[body];
     if (joint.motor) by_next.row(5) -= damped * force.row(5);
     if (limited(joint)) by_next.row(5).setZero();
-    out.across.push_back({joint.row, joint.rows, body, by_next / bodies_.dt});
+    out.across.push_back({joint.row, rows, body, by_next / bodies_.dt});
   };
   push(g.parent, parent, parent_force(joint));
   push(g.child, child, child_force(joint));
@@ -127,7 +129,7 @@ void Joints::differentiate(std::span<const double> x, Sensitivity& out) const {
   for (const Joint& joint : joints_) {
     differentiate_rows(joint, out);
     differentiate_effort(joint, out);
-    const std::span<const double> lambda = x.subspan(joint.row, joint.rows);
+    const std::span<const double> lambda = x.subspan(joint.row, physics::rows_of(joint.kind));
     DirectionDerivative d;
     differentiate_translation(joint, lambda, d);
     differentiate_rotation(joint, lambda, d);

@@ -1,9 +1,10 @@
-// Simulator::step allocates nothing.
+// Simulator::step allocates nothing, and what a Simulator holds is counted.
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -187,5 +188,23 @@ TEST_F(Allocation, NeverHappensInDerivativesOfAStep) {
     EXPECT_EQ(counted, 0) << spec;
   }
 }
+
+/// Of the heap, by a simulator that has taken a step.
+double bytes_held(const char* scene, int n) {
+  const std::int64_t before = allocation::bytes_in_use();
+  Simulator simulator(built_in_scene(scene + (":n=" + std::to_string(n))));
+  EXPECT_TRUE(simulator.step().ok());
+  return static_cast<double>(allocation::bytes_in_use() - before);
+}
+
+/// From 500 to 1000, so that vectors that have grown by doubling are equally full.
+double bytes_per_link(const char* scene) {
+  const double bytes = (bytes_held(scene, 1000) - bytes_held(scene, 500)) / 500;
+  std::printf("             %-16s %.0f bytes per link\n", scene, bytes);
+  return bytes;
+}
+
+TEST_F(Allocation, OfALinkWithOneContactIsSevenKilobytes) { EXPECT_LE(bytes_per_link("snake"), 7000); }
+TEST_F(Allocation, OfALinkWithoutContactIsFiveKilobytes) { EXPECT_LE(bytes_per_link("pendulum"), 5500); }
 
 }  // namespace

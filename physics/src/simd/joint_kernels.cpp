@@ -45,13 +45,9 @@ HWY_INLINE void load_place(const double* const* from, const BodyAtOctet* all, un
 
 template <JointRows Rows>
 struct Kind {
-  static constexpr bool motor = Rows == JointRows::revolute_motor || Rows == JointRows::prismatic_motor;
-  static constexpr bool slides = Rows == JointRows::prismatic || Rows == JointRows::prismatic_motor;
-  static constexpr bool hinge = Rows == JointRows::revolute || Rows == JointRows::revolute_motor;
-  static constexpr int translations = slides ? 2 : 3;
-  static constexpr int rotations = Rows == JointRows::spherical ? 0 : hinge ? 2 : 3;
-  static constexpr int constraints = translations + rotations;
-  static constexpr int rows = motor ? 6 : constraints;
+  static constexpr bool motor = has_motor(Rows), slides = is_slide(Rows), hinge = is_hinge(Rows);
+  static constexpr int translations = physics::translations(Rows), rotations = physics::rotations(Rows);
+  static constexpr int constraints = physics::constraints(Rows), rows = rows_of(Rows);
 };
 
 HWY_INLINE Vector3 unit(int i) { return {Pack(i == 0 ? 1.0 : 0.0), Pack(i == 1 ? 1.0 : 0.0), Pack(i == 2 ? 1.0 : 0.0)}; }
@@ -74,27 +70,28 @@ HWY_INLINE Pack round(const Pack& a) {
 template <JointRows Rows>
 struct Joint {
   using K = Kind<Rows>;
-  const JointOctet& constants;
+  const JointPoints& points;
+  const JointFrames* frames;
   Place a, b;              ///< parent, child
   Vector3 child_point;
   Quaternion e;            ///< q_a^-1 q_b q_off^-1, on the half that holds the identity
   Matrix3 offset;
 
   HWY_INLINE Joint(const JointTask& task)
-      : constants(*task.octet), child_point(load3(constants.child_point)) {
+      : points(*task.points), frames(task.frames), child_point(load3(points.child)) {
     load_place(task.parent, task.parents, task.used, a);
     load_place(task.child, task.children, task.used, b);
     if constexpr (K::rotations > 0) {
-      const Quaternion rest{load3(constants.orientation), load(constants.orientation[3])};
+      const Quaternion rest{load3(frames->orientation), load(frames->orientation[3])};
       e = conjugate(a.q) * b.q * conjugate(rest);
       const Pack sign = gs::select(e.w < Pack(0.0), Pack(-1.0), Pack(1.0));
       e = {sign * e.v, sign * e.w};
-      offset = load33(constants.orientation_matrix);
+      offset = load33(frames->orientation_matrix);
     }
   }
 
   HWY_INLINE Vector3 locked_rotation(int i) const {
-    if constexpr (K::hinge) return load3(constants.side[i]);
+    if constexpr (K::hinge) return load3(frames->side[i]);
     else return unit(i);
   }
   /// From the parent's centre to the child's joint point, parent frame.
@@ -102,16 +99,16 @@ struct Joint {
 
   /// Of the motor: along the slide, or about the hinge.
   HWY_INLINE Pack coordinate() const {
-    const Vector3 axis = load3(constants.axis);
-    if constexpr (K::slides) return dot(axis, arm() - load3(constants.parent_point));
+    const Vector3 axis = load3(frames->axis);
+    if constexpr (K::slides) return dot(axis, arm() - load3(points.parent));
     else return Pack(2.0) * atan(dot(axis, e.v) / e.w);  // e.w >= 0
   }
 
   HWY_INLINE void violation(Pack* g) const {
-    const Vector3 parent_point = load3(constants.parent_point);
+    const Vector3 parent_point = load3(points.parent);
     if constexpr (K::slides) {
       const Vector3 d = arm() - parent_point;
-      for (int i = 0; i < 2; ++i) g[i] = dot(load3(constants.side[i]), d);
+      for (int i = 0; i < 2; ++i) g[i] = dot(load3(frames->side[i]), d);
     } else {
       put(b.x + b.rotation * child_point - a.x - a.rotation * parent_point, g);
     }
@@ -122,7 +119,7 @@ struct Joint {
   template <bool WithTurn>
   HWY_INLINE void derivative(Pack* child, Pack* parent) const {
     for (int i = 0; i < K::translations; ++i) {
-      if constexpr (K::slides) along_axis<WithTurn>(load3(constants.side[i]), child + 6 * i, parent + 6 * i);
+      if constexpr (K::slides) along_axis<WithTurn>(load3(frames->side[i]), child + 6 * i, parent + 6 * i);
       else along_world<WithTurn>(i, child + 6 * i, parent + 6 * i);
     }
     const Vector3 zero{Pack(0.0), Pack(0.0), Pack(0.0)};
@@ -137,10 +134,10 @@ struct Joint {
       const Vector3 r = locked_rotation(i), even = e.w * r, odd = cross(r, e.v);
       rotation_row(even + odd, even - odd, K::translations + i);
     }
-    if constexpr (K::motor && K::slides) along_axis<WithTurn>(load3(constants.axis), child + 30, parent + 30);
+    if constexpr (K::motor && K::slides) along_axis<WithTurn>(load3(frames->axis), child + 30, parent + 30);
     if constexpr (K::motor && K::hinge) {
       // Of 2 atan2(axis . v, w), exact off the hinge's manifold too.
-      const Vector3 axis = load3(constants.axis);
+      const Vector3 axis = load3(frames->axis);
       const Pack along = dot(axis, e.v), share = Pack(1.0) / (e.w * e.w + along * along);
       const Vector3 even = share * (e.w * e.w * axis + along * e.v), odd = share * e.w * cross(axis, e.v);
       rotation_row(even + odd, even - odd, 5);
@@ -159,7 +156,7 @@ struct Joint {
     put(unit(i), child);
     put(-unit(i), parent);
     put(turned<WithTurn>(b, cross(child_point, row(b.rotation, i))), child + 3);
-    put(turned<WithTurn>(a, cross(row(a.rotation, i), load3(constants.parent_point))), parent + 3);
+    put(turned<WithTurn>(a, cross(row(a.rotation, i), load3(points.parent))), parent + 3);
   }
   /// Row of f . R_a^T (x_b + R_b p_b - x_a), f fixed in the parent.
   template <bool WithTurn>
@@ -181,8 +178,8 @@ HWY_INLINE void aim(const JointTask& task) {
   const auto keep = [&](const Pack* from, Octet* to) HWY_ATTR {
     for (int i = 0; i < entries; ++i) store(gs::select(used, from[i], load(to[i])), to[i]);
   };
-  keep(child, task.octet->child_force);
-  keep(parent, task.octet->parent_force);
+  keep(child, task.child_force);
+  keep(parent, task.parent_force);
 }
 
 /// out = force^T impulses
@@ -252,12 +249,12 @@ HWY_INLINE void evaluate(const JointTask& task) {
       gs::put_entries(&diagonal, 1, [](int) HWY_ATTR { return 35; }, task.values, task.blocks->own, used, 1.0);
   }
   gs::add_transposed(g, K::rows, task.residual, used, 1.0);
-  push<K::rows>(task.octet->child_force, impulses, wrenches);
-  push<K::rows>(task.octet->parent_force, impulses, wrenches + 6);
+  push<K::rows>(task.child_force, impulses, wrenches);
+  push<K::rows>(task.parent_force, impulses, wrenches + 6);
   gs::store_transposed(wrenches, 12, task.wrenches, used);
   if (!task.values) return;
-  write<K::rows>(task, child, task.octet->child_force, task.blocks->to_child, task.blocks->from_child);
-  write<K::rows>(task, parent, task.octet->parent_force, task.blocks->to_parent, task.blocks->from_parent);
+  write<K::rows>(task, child, task.child_force, task.blocks->to_child, task.blocks->from_child);
+  write<K::rows>(task, parent, task.parent_force, task.blocks->to_parent, task.blocks->from_parent);
 }
 
 #define PHYSICS_BY_JOINT_ROWS(function, task)                                             \

@@ -15,15 +15,24 @@ enum class JointRows {
   prismatic_motor,  ///< and a motor along the axis
   fixed,            ///< 3 translations in world axes, 3 rotations
 };
+constexpr bool has_motor(JointRows kind) { return kind == JointRows::revolute_motor || kind == JointRows::prismatic_motor; }
+constexpr bool is_slide(JointRows kind) { return kind == JointRows::prismatic || kind == JointRows::prismatic_motor; }
+constexpr bool is_hinge(JointRows kind) { return kind == JointRows::revolute || kind == JointRows::revolute_motor; }
+constexpr int translations(JointRows kind) { return is_slide(kind) ? 2 : 3; }
+constexpr int rotations(JointRows kind) { return kind == JointRows::spherical ? 0 : is_hinge(kind) ? 2 : 3; }
+constexpr int constraints(JointRows kind) { return translations(kind) + rotations(kind); }
+constexpr int rows_of(JointRows kind) { return has_motor(kind) ? 6 : constraints(kind); }
 
-/// Eight joints with the same kind of rows. Forces act along the rows of child_force and parent_force, 6 numbers each:
-/// entry 6 row + column.
-struct JointOctet {
-  Octet child_point[3], parent_point[3];
+/// Where eight joints sit on their bodies.
+struct JointPoints {
+  Octet child[3], parent[3];
+};
+
+/// How eight joints are turned; those without rotations and axes have no use for it.
+struct JointFrames {
   Octet axis[3], side[2][3];     ///< of a hinge or slide and across it, parent frame
   Octet orientation[4];          ///< child relative to parent at rest: x, y, z, w
   Octet orientation_matrix[9];   ///< the same, column-major
-  Octet child_force[36], parent_force[36];
 };
 
 /// The motors of eight joints: spring and damper towards a target, with a limit.
@@ -43,8 +52,10 @@ struct JointBlocks {
 /// Eight joints or fewer: bit per lane in `used`; the other lanes point where a used one does and write nothing.
 struct JointTask {
   JointRows rows;
-  JointOctet* octet;
-  MotorOctet* motor;                   ///< of rows with a motor
+  const JointPoints* points;
+  const JointFrames* frames;           ///< null for spherical joints
+  MotorOctet* motor;                   ///< of rows with a motor, else null
+  Octet *child_force, *parent_force;   ///< directions of forces by row, 6 numbers each: entry 6 row + column
   unsigned used;
   double dt;
   const double *parent[8], *child[8];  ///< Pose
