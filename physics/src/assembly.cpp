@@ -8,7 +8,7 @@ namespace {
 
 /// Placement of the neighbour across a fixed joint: x_b + R_b p_b = x_a + R_a p_a, q_b = q_a orientation.
 Placement across(const Placement& a, const Joint& joint, bool to_child) {
-  Placement b{.body = a.body, .offset = Vec3::Zero(), .rotation = Quat::Identity()};
+  Placement b{.body = a.body};
   if (to_child) {
     b.rotation = a.rotation * joint.orientation;
     b.offset = a.offset + a.rotation * joint.parent_point - b.rotation * joint.child_point;
@@ -66,8 +66,7 @@ Groups group(const Mechanism& mechanism, bool merge) {
   for (int i = 0; i < n; ++i) {
     if (placed[i]) continue;
     placed[i] = 1;
-    groups.placement[i] = {.body = static_cast<int>(groups.members.size()), .offset = Vec3::Zero(),
-                           .rotation = Quat::Identity()};
+    groups.placement[i] = {.body = static_cast<int>(groups.members.size())};
     groups.members.push_back({i});
     pending.push_back(i);
     spread();
@@ -77,8 +76,8 @@ Groups group(const Mechanism& mechanism, bool merge) {
 
 RigidBody compose(const Mechanism& mechanism, const std::vector<int>& members, std::vector<Placement>& placement) {
   const Body& first = mechanism.bodies[members.front()];
-  RigidBody body{.name = first.name, .mass = 0, .inertia = Mat3::Zero(), .smallest_inertia = 0,
-                 .first_member = members.front()};
+  RigidBody body{.name = first.name, .mass = 0, .inertia = Mat3::Zero(), .smallest_inertia = 0};
+  placement[members.front()].leads = true;
   Vec3 centre = Vec3::Zero();
   for (const int i : members) {
     body.mass += mechanism.bodies[i].mass;

@@ -14,13 +14,13 @@ struct RigidBody {
   double mass;
   Mat3 inertia;
   double smallest_inertia;  ///< principal moment
-  int first_member;
   double island_mass = 0;  ///< largest mass of what hangs together with it; known to the Stepper
 };
 
 /// Frame of a described body in that of a rigid body: x = X + R offset, q = Q rotation.
 struct Placement {
-  int body = -1;  ///< rigid body; -1: the world
+  int body = -1;       ///< rigid body; -1: the world
+  bool leads = false;  ///< first of its members, whose name and orientation it has
   Vec3 offset = Vec3::Zero();
   Quat rotation = Quat::Identity();
 };

@@ -61,7 +61,7 @@ StepGradient::Impl::Impl(Simulator::Impl& owner, const GradientSettings& options
       solutions(static_cast<Eigen::Index>(owner.unknowns.size()), pass_columns),
       transposed(pass_columns, solutions.rows()),
       product(pass_columns, 0),
-      stiffness(stiffness_of(lane().mechanism, lane().assembly)) {
+      stiffness(stiffness_of(lane().mechanism, owner.assembly(only))) {
   if (!(settings.smoothing >= 0 && std::isfinite(settings.smoothing)))
     throw std::invalid_argument(fmt::format("smoothing {} is not a finite number >= 0", settings.smoothing));
   int widest = 0;
@@ -132,7 +132,7 @@ void StepGradient::Impl::add_load_arms() {
   const int step = l.step_index + 1;
   for (const Load& load : l.mechanism.loads) {
     if (step < load.first_step || step > load.last_step) continue;
-    const Placement& place = l.assembly.placement[load.body.index];
+    const Placement& place = l.placement[load.body.index];
     if (place.body < 0 || place.offset.isZero()) continue;
     const Vec3 local = simulator.bodies.now[place.body].rotation.transpose() * load.force;
     sensitivity.pose[place.body].bottomRightCorner<3, 3>() -= impulse_time * skew(place.offset) * skew(local);
@@ -172,7 +172,7 @@ StepGradient& StepGradient::operator=(StepGradient&&) noexcept = default;
 GradientStatus StepGradient::evaluate() { return impl_->evaluate(); }
 int StepGradient::moving_bodies() const { return impl_->bodies(); }
 int StepGradient::moving_body(BodyId body) const {
-  return body.is_world() ? -1 : impl_->lane().assembly.placement.at(body.index).body;
+  return body.is_world() ? -1 : impl_->lane().placement.at(body.index).body;
 }
 int StepGradient::state_size() const { return impl_->columns(StepInput::state); }
 int StepGradient::columns(StepInput input) const { return impl_->columns(input); }

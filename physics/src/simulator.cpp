@@ -74,7 +74,7 @@ void Simulator::restart_from(const StepRecord& record) {
   Lane& lane = s.lanes[only];
   check_record(lane.mechanism, record);
   s.set_state(only, record.bodies, false);
-  s.contacts->set(only, lane.mechanism, lane.assembly);  // bases of the scene, where the record has none
+  s.contacts->set(only, lane.mechanism, s.assembly(only));  // bases of the scene, where the record has none
   const int substeps = record.solver ? std::max(1, record.solver->substeps) : 1;
   lane.state.time_step = s.dt / substeps;
   // Forces of the record make the start warm and keep the friction basis; a start without them is only colder.

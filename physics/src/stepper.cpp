@@ -188,7 +188,7 @@ void Stepper::apply_loads(int lane, double time_of_impulse) {
   const int step = l.step_index + 1;
   for (const Load& load : l.mechanism.loads) {
     if (step < load.first_step || step > load.last_step) continue;
-    const Placement& place = l.assembly.placement[load.body.index];
+    const Placement& place = l.placement[load.body.index];
     if (place.body < 0) continue;
     const int i = body(lane, place.body);
     bodies.known_linear[i] += time_of_impulse * load.force;

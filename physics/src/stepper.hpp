@@ -39,7 +39,7 @@ struct Lane {
   };
 
   Mechanism mechanism;
-  Assembly assembly;
+  std::vector<Placement> placement;  ///< of the described bodies in the rigid ones
   std::vector<int> islands;  ///< components of the graph
   LaneState state, saved_state;
   int step_index = 0;
@@ -69,6 +69,8 @@ struct Stepper {
   /// Poses and momenta of a lane as the start of a step of length h.
   void load_state_into_terms(int lane, double h);
 
+  /// Of a lane's scene, made anew: nothing keeps it.
+  [[nodiscard]] Assembly assembly(int lane) const;
   [[nodiscard]] int body(int lane, int item) const { return side_by_side.index(lane, item); }
   [[nodiscard]] int joint(int lane, int item) const { return side_by_side.index(lane, item); }
   // Nodes and rows of a lane follow those of the lane before.
@@ -119,16 +121,17 @@ struct Stepper {
 
  private:
   friend class StepGradient;
-  void describe(int lane, Mechanism scene);
-  void build();
-  void make_solver(const Stepper* same);
-  [[nodiscard]] std::shared_ptr<const graphsolve::Symbolic> make_plan() const;
-  void set_parameters(int lane);
-  void set_row_scales(int lane);
-  void start(int lane);
+  [[nodiscard]] Assembly describe(int lane, Mechanism scene);
+  void build(const Assembly& assembly);
+  void make_solver(const Assembly& assembly, const Stepper* same);
+  [[nodiscard]] std::shared_ptr<const graphsolve::Symbolic> make_plan(const Assembly& assembly) const;
+  void weigh_islands(int lane, Assembly& assembly) const;
+  void set_parameters(int lane, Assembly& assembly);
+  void set_row_scales(int lane, const Assembly& assembly);
+  void start(int lane, Assembly& assembly);
   void check_start(int lane) const;
   void check_structure(const Mechanism& scene, const Assembly& assembly) const;
-  [[nodiscard]] JointGeometry on_lane(int lane, int joint) const;
+  [[nodiscard]] JointGeometry on_lane(int lane, JointGeometry geometry) const;
 
   void attempt(std::span<const int> tried, const Rung& rung);
   void advance(std::span<const int> moved, int part, int parts);

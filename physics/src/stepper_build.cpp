@@ -53,16 +53,16 @@ Stepper::Stepper(Mechanism scene, int copies, const SimulatorSettings& options, 
     : settings(options), side_by_side(copies), lanes(copies) {
   if (!(settings.tolerance > 0 && std::isfinite(settings.tolerance)))
     throw DescriptionError(fmt::format("tolerance {} is not a number > 0", settings.tolerance));
-  for (int lane = 1; lane < copies; ++lane) describe(lane, scene);
-  describe(0, std::move(scene));
+  for (int lane = 1; lane < copies; ++lane) (void)describe(lane, scene);
+  Assembly assembly = describe(0, std::move(scene));
   dt = lanes[0].mechanism.time_step;
-  build();
-  make_solver(same);
-  for (int lane = 0; lane < copies; ++lane) start(lane);
+  build(assembly);
+  make_solver(assembly, same);
+  for (int lane = 0; lane < copies; ++lane) start(lane, assembly);
 }
 
-/// Takes up a description; what it says becomes numbers in set_parameters.
-void Stepper::describe(int lane, Mechanism scene) {
+/// Takes up a description; what it says becomes numbers in set_parameters, out of the assembly.
+Assembly Stepper::describe(int lane, Mechanism scene) {
   if (settings.time_step) scene.time_step = *settings.time_step;
   if (settings.start) scene.start = *settings.start;
   if (settings.friction_model)
@@ -71,19 +71,19 @@ void Stepper::describe(int lane, Mechanism scene) {
   Assembly assembly = assemble(scene, settings.merge_fixed_joints);
   if (solver) check_structure(scene, assembly);
   lanes[lane].mechanism = std::move(scene);
-  lanes[lane].assembly = std::move(assembly);
+  lanes[lane].placement = assembly.placement;
+  return assembly;
 }
 
 /// Terms, ports and their places in the graph, in the numbering of all lanes side by side.
-void Stepper::build() {
+void Stepper::build(const Assembly& assembly) {
   const Mechanism& scene = lanes[0].mechanism;
-  const Assembly& assembly = lanes[0].assembly;
   bodies_per_lane = static_cast<int>(assembly.bodies.size());
   joints_per_lane = static_cast<int>(assembly.joints.size());
   problem = std::make_unique<graphsolve::Problem>(make_graph(scene, assembly, count()));
   side_by_side.each(bodies_per_lane, [&](int lane, int k) { bodies.add(assembly.bodies[k], body_node(lane, k)); });
   side_by_side.each(joints_per_lane, [&](int lane, int k) {
-    joints.add(on_lane(lane, k), motor_of(scene, assembly.joints[k]), joint_node(lane, k));
+    joints.add(on_lane(lane, assembly.joints[k]), motor_of(scene, assembly.joints[k]), joint_node(lane, k));
   });
   contacts = std::make_unique<Contacts>(bodies, side_by_side, scene, assembly);
   problem->add(bodies);
@@ -105,14 +105,14 @@ graphsolve::Ordering cheapest_ordering(const graphsolve::BlockGraph& graph) {
 
 }  // namespace
 
-std::shared_ptr<const graphsolve::Symbolic> Stepper::make_plan() const {
-  const auto one = make_graph(lanes[0].mechanism, lanes[0].assembly, 1);
+std::shared_ptr<const graphsolve::Symbolic> Stepper::make_plan(const Assembly& assembly) const {
+  const auto one = make_graph(lanes[0].mechanism, assembly, 1);
   const auto ordering = order_copies(problem->graph(), cheapest_ordering(one), count());
   return std::make_shared<const graphsolve::Symbolic>(problem->graph(), ordering);
 }
 
-void Stepper::make_solver(const Stepper* same) {
-  plan = same ? same->plan : make_plan();
+void Stepper::make_solver(const Assembly& assembly, const Stepper* same) {
+  plan = same ? same->plan : make_plan(assembly);
   const auto& symbolic = plan;
   const int n = bodies.size();
   size.body_nodes = n;
@@ -146,39 +146,44 @@ void Stepper::make_solver(const Stepper* same) {
   solver->set_profile(&profile);
 }
 
-JointGeometry Stepper::on_lane(int lane, int k) const {
-  JointGeometry geometry = lanes[lane].assembly.joints[k];
+JointGeometry Stepper::on_lane(int lane, JointGeometry geometry) const {
   for (int* side : {&geometry.parent, &geometry.child})
     if (*side >= 0) *side = body(lane, *side);
   return geometry;
 }
 
 void Stepper::load(int lane, Mechanism scene) {
-  describe(lane, std::move(scene));
-  start(lane);
+  Assembly assembly = describe(lane, std::move(scene));
+  start(lane, assembly);
 }
 
-void Stepper::set_parameters(int lane) {
-  Lane& l = lanes[lane];
+Assembly Stepper::assembly(int lane) const {
+  Assembly assembly = assemble(lanes[lane].mechanism, settings.merge_fixed_joints);
+  weigh_islands(lane, assembly);
+  return assembly;
+}
+
+void Stepper::weigh_islands(int lane, Assembly& assembly) const {
   std::vector<double> largest(noise.size(), 0.0);
   for (int k = 0; k < bodies_per_lane; ++k) {
     double& mass = largest[island[body(lane, k)]];
-    mass = std::max(mass, l.assembly.bodies[k].mass);
+    mass = std::max(mass, assembly.bodies[k].mass);
   }
-  for (int k = 0; k < bodies_per_lane; ++k) {
-    RigidBody& rigid = l.assembly.bodies[k];
-    rigid.island_mass = largest[island[body(lane, k)]];
-    bodies.set(body(lane, k), rigid);
-  }
+  for (int k = 0; k < bodies_per_lane; ++k) assembly.bodies[k].island_mass = largest[island[body(lane, k)]];
+}
+
+void Stepper::set_parameters(int lane, Assembly& assembly) {
+  const Mechanism& scene = lanes[lane].mechanism;
+  weigh_islands(lane, assembly);
+  for (int k = 0; k < bodies_per_lane; ++k) bodies.set(body(lane, k), assembly.bodies[k]);
   for (int k = 0; k < joints_per_lane; ++k)
-    joints.set(joint(lane, k), on_lane(lane, k), motor_of(l.mechanism, l.assembly.joints[k]));
-  contacts->set(lane, l.mechanism, l.assembly);
-  set_row_scales(lane);
+    joints.set(joint(lane, k), on_lane(lane, assembly.joints[k]), motor_of(scene, assembly.joints[k]));
+  contacts->set(lane, scene, assembly);
+  set_row_scales(lane, assembly);
 }
 
 /// Every row as a velocity: impulses over masses, angular ones over mass times radius of gyration.
-void Stepper::set_row_scales(int lane) {
-  const Assembly& assembly = lanes[lane].assembly;
+void Stepper::set_row_scales(int lane, const Assembly& assembly) {
   const auto gyration = [&](int k) { return std::sqrt(assembly.bodies[k].smallest_inertia / assembly.bodies[k].mass); };
   double scale[6];
   for (int k = 0; k < bodies_per_lane; ++k) {

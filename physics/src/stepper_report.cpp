@@ -65,7 +65,7 @@ Vec3 Stepper::angular_momentum(int lane) const {
 void Stepper::write_bodies(int lane, std::span<BodyRecord> records) const {
   const Lane& l = lanes[lane];
   for (std::size_t k = 0; k < records.size(); ++k) {
-    const Placement& place = l.assembly.placement[k];
+    const Placement& place = l.placement[k];
     BodyRecord& record = records[k];
     if (place.body < 0) {
       record = {place.offset, place.rotation, Vec3::Zero(), Vec3::Zero()};
@@ -131,8 +131,14 @@ std::string Stepper::failure_place(int lane) const {
   const graphsolve::ComponentReport& failure = l.failure;
   std::string thing;
   if (const int node = failure.worst_node.index - body_node(lane, 0).index; failure.worst_node.index >= 0) {
-    if (node < bodies_per_lane) thing = fmt::format("body '{}'", l.assembly.bodies[node].name);
-    else thing = fmt::format("joint '{}'", l.mechanism.joints[l.assembly.joints[node - bodies_per_lane].source].name);
+    if (node < bodies_per_lane) {
+      const auto is_it = [&](const Placement& place) { return place.leads && place.body == node; };
+      const auto k = std::ranges::find_if(l.placement, is_it) - l.placement.begin();
+      thing = fmt::format("body '{}'", l.mechanism.bodies[k].name);
+    } else {
+      const int source = joints.geometry(joint(lane, node - bodies_per_lane)).source;
+      thing = fmt::format("joint '{}'", l.mechanism.joints[source].name);
+    }
   } else if (const int contact = contacts->source(lane, failure.worst_batch, failure.worst_instance); contact >= 0) {
     thing = fmt::format("contact '{}'", l.mechanism.contacts[contact].name);
   }

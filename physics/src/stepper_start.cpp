@@ -21,7 +21,6 @@ bool has_friction(const Contact& contact) { return contact.friction.value_or(0) 
 /// Loaded scenes share the graph, the order and the kinds of terms with the first; numbers are free.
 void Stepper::check_structure(const Mechanism& scene, const Assembly& assembly) const {
   const Mechanism& first = lanes[0].mechanism;
-  const Assembly& built = lanes[0].assembly;
   const auto same_number = [&](std::size_t have, std::size_t want, const char* things) {
     if (have != want) misfit(scene.name, fmt::format("it has {} {}, not {}", have, things, want));
   };
@@ -30,11 +29,11 @@ void Stepper::check_structure(const Mechanism& scene, const Assembly& assembly) 
   same_number(scene.contacts.size(), first.contacts.size(), "contacts");
   if (scene.time_step != dt) misfit(scene.name, fmt::format("its time step is {} s, not {} s", scene.time_step, dt));
   for (std::size_t k = 0; k < scene.bodies.size(); ++k)
-    if (assembly.placement[k].body != built.placement[k].body)
+    if (assembly.placement[k].body != lanes[0].placement[k].body)
       misfit(scene.name, fmt::format("body '{}' is held by another fixed joint", scene.bodies[k].name));
-  same_number(assembly.joints.size(), built.joints.size(), "joints between bodies that move");
+  same_number(assembly.joints.size(), joints_per_lane, "joints between bodies that move");
   for (std::size_t k = 0; k < assembly.joints.size(); ++k) {
-    const JointGeometry &a = assembly.joints[k], &b = built.joints[k];
+    const JointGeometry a = on_lane(0, assembly.joints[k]), &b = joints.geometry(joint(0, static_cast<int>(k)));
     const bool same = a.source == b.source && a.type == b.type && a.parent == b.parent && a.child == b.child &&
                       !motor_of(scene, a) == !motor_of(first, b);
     if (!same) misfit(scene.name, fmt::format("joint '{}' differs in type, bodies or motor", scene.joints[a.source].name));
@@ -47,8 +46,8 @@ void Stepper::check_structure(const Mechanism& scene, const Assembly& assembly) 
   }
 }
 
-void Stepper::start(int lane) {
-  set_parameters(lane);
+void Stepper::start(int lane, Assembly& assembly) {
+  set_parameters(lane, assembly);
   Lane& l = lanes[lane];
   std::vector<BodyRecord> records;
   for (const Body& body : l.mechanism.bodies)
@@ -69,12 +68,12 @@ void Stepper::set_state(int lane, std::span<const BodyRecord> records, bool half
     std::fill_n(unknowns.data() + bodies.row[i], 6, 0.0);
   }
   for (std::size_t k = 0; k < records.size(); ++k) {
-    const Placement& place = l.assembly.placement[k];
+    const Placement& place = l.placement[k];
     if (place.body < 0) continue;
     const BodyRecord& record = records[k];
     const int i = body(lane, place.body);
     state.v[i] += l.mechanism.bodies[k].mass / bodies.mass[i] * record.velocity;
-    if (l.assembly.bodies[place.body].first_member != static_cast<int>(k)) continue;
+    if (!place.leads) continue;
     const Quat q = record.orientation.normalized() * place.rotation.conjugate();
     state.q[i] = q;
     state.x[i] = record.position - q * place.offset;

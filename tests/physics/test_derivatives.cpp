@@ -30,7 +30,7 @@ class Derivatives : public testing::Test {
   void two_bodies() {
     bodies.dt = 0.05;
     for (int i = 0; i < 2; ++i) {
-      bodies.add({.name = "b", .mass = 1.3 + i, .inertia = inertia(), .smallest_inertia = 0.4, .first_member = i}, {i});
+      bodies.add({.name = "b", .mass = 1.3 + i, .inertia = inertia(), .smallest_inertia = 0.4}, {i});
       bodies.now[i].x = vector(1);
       bodies.now[i].q = rotation();
       bodies.now[i].rotation = bodies.now[i].q.toRotationMatrix();
@@ -128,7 +128,7 @@ INSTANTIATE_TEST_SUITE_P(Driven, JointDerivatives,
 
 TEST_F(Derivatives, ContactPortMatchesCentralDifferences) {
   bodies.dt = 0.05;
-  bodies.add({.name = "b", .mass = 1, .inertia = inertia(), .smallest_inertia = 0.4, .first_member = 0}, {0});
+  bodies.add({.name = "b", .mass = 1, .inertia = inertia(), .smallest_inertia = 0.4}, {0});
   bodies.now[0].x = vector(1);
   bodies.now[0].q = rotation();
   bodies.now[0].rotation = bodies.now[0].q.toRotationMatrix();

@@ -32,8 +32,7 @@ class PyramidContactsTest : public testing::TestWithParam<graphsolve::simd::Inst
   void build(int bodies_count, int contacts) {
     bodies.dt = 0.05;
     for (int b = 0; b < bodies_count; ++b) {
-      bodies.add({.name = "b", .mass = 1.3 + b, .inertia = Vec3(0.4, 0.7, 0.9).asDiagonal(), .smallest_inertia = 0.4,
-                  .first_member = b}, {b});
+      bodies.add({.name = "b", .mass = 1.3 + b, .inertia = Vec3(0.4, 0.7, 0.9).asDiagonal(), .smallest_inertia = 0.4}, {b});
       graph.add_node("b", 6);
       bodies.place(b, vector(1), Quat(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), 1).normalized());
     }

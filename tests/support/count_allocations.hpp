@@ -27,8 +27,12 @@ inline constexpr bool counted = TESTS_COUNT_ALLOCATIONS != 0;
 inline std::atomic<bool> armed{false};
 inline std::atomic<long> count{0};
 inline std::atomic<std::int64_t> bytes{0};
+inline std::atomic<std::int64_t> in_use{0};
 
-inline void note(std::size_t size) {
+inline void note(const void* memory, std::size_t size) {
+#if TESTS_COUNT_ALLOCATIONS
+  if (memory) in_use.fetch_add(static_cast<std::int64_t>(malloc_usable_size(const_cast<void*>(memory))) + 8, std::memory_order_relaxed);
+#endif
   if (!armed.load(std::memory_order_relaxed)) return;
   count.fetch_add(1, std::memory_order_relaxed);
   bytes.fetch_add(static_cast<std::int64_t>(size), std::memory_order_relaxed);
@@ -49,41 +53,53 @@ class Counting {
   [[nodiscard]] static std::int64_t bytes_so_far() { return bytes; }  ///< asked for, freed or not
 };
 
-/// Bytes of the heap that are in use, with what the allocator adds to each piece.
-inline std::int64_t bytes_in_use() {
+inline void note_freed(void* memory) {
 #if TESTS_COUNT_ALLOCATIONS
-  const struct mallinfo2 info = mallinfo2();
-  return static_cast<std::int64_t>(info.uordblks + info.hblkhd);
-#else
-  return 0;
+  if (memory) in_use.fetch_sub(static_cast<std::int64_t>(malloc_usable_size(memory)) + 8, std::memory_order_relaxed);
 #endif
 }
+
+/// Bytes of the heap that are in use, with what the allocator adds to each piece.
+inline std::int64_t bytes_in_use() { return in_use; }
+
+#if TESTS_COUNT_ALLOCATIONS
+inline const int no_pages = mallopt(M_MMAP_THRESHOLD, 1 << 25);  ///< large pieces would be rounded up to pages
+#endif
 
 }  // namespace allocation
 
 #if TESTS_COUNT_ALLOCATIONS
-// free() need not change.
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* memory, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
+void __libc_free(void* memory);
 
 void* malloc(std::size_t size) {
-  allocation::note(size);
-  return __libc_malloc(size);
+  void* memory = __libc_malloc(size);
+  allocation::note(memory, size);
+  return memory;
 }
 void* calloc(std::size_t count, std::size_t size) {
-  allocation::note(count * size);
-  return __libc_calloc(count, size);
+  void* memory = __libc_calloc(count, size);
+  allocation::note(memory, count * size);
+  return memory;
 }
 void* realloc(void* memory, std::size_t size) {
-  allocation::note(size);
-  return __libc_realloc(memory, size);
+  allocation::note_freed(memory);
+  memory = __libc_realloc(memory, size);
+  allocation::note(memory, size);
+  return memory;
 }
 void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  allocation::note(size);
-  return __libc_memalign(alignment, size);
+  void* memory = __libc_memalign(alignment, size);
+  allocation::note(memory, size);
+  return memory;
+}
+void free(void* memory) {
+  allocation::note_freed(memory);
+  __libc_free(memory);
 }
 }
 #endif
