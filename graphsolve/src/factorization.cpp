@@ -28,14 +28,16 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
   rank_.assign(s.pivots(), 0);
   uncertain_.reserve(std::ranges::count_if(std::views::iota(0, s.pivots()), [&](int k) { return s.may_depend(k); }));
   first_row_.assign(s.pivots(), 0);
-  dropped_.reserve(s.rows());
   equal_.assign(s.pivots(), 0);
   group_.assign(s.pivots(), 1);
   scattered_.assign(s.pivots(), 0);
-  int largest = 0, spread = 0, next_group = 0;
+  int largest = 0, spread = 0, next_group = 0, uncertain_rows = 0;
   for (int k = 0, row = 0; k < s.pivots(); ++k) {
     first_row_[k] = row;
-    if (s.may_depend(k)) uncertain_.push_back(k);
+    if (s.may_depend(k)) {
+      uncertain_.push_back(k);
+      uncertain_rows += s.dimension(k);
+    }
     equal_[k] = static_cast<char>(equal_couplings(s, k));
     // Pivots of packs always, so that sums are the same in bits however many copies lie side by side.
     scattered_[k] = s.program().place(k) >= 0 ||
@@ -48,6 +50,7 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
     row += s.dimension(k);
     largest = std::max(largest, s.dimension(k));
   }
+  dropped_.reserve(uncertain_rows);
   work_.assign(2 * largest * largest + 3 * largest, 0.0);
   spread_.assign(spread, 0.0);
   outcomes_.resize(s.components());
@@ -86,13 +89,11 @@ Factorization Factorization::twin() const {
   return other;
 }
 
+/// What is as large as the matrix or its rows is only set aside: pages that nobody touches cost no memory, and most solves
+/// are never refined.
 void Factorization::allow_refinement() {
-  matrix_.assign(values_.size(), 0.0);
-  residual_.assign(symbolic_->rows(), 0.0);
-  residual_low_.assign(symbolic_->rows(), 0.0);
-  magnitude_.assign(symbolic_->rows(), 0.0);
-  correction_.assign(symbolic_->rows(), 0.0);
-  best_.assign(symbolic_->rows(), 0.0);
+  matrix_.reserve(values_.size());
+  for (auto* v : {&residual_, &residual_low_, &magnitude_, &best_}) v->reserve(symbolic_->rows());
   error_.assign(symbolic_->components(), 0.0);
   least_error_.assign(symbolic_->components(), 0.0);
   precision_.assign(symbolic_->components(), Precision::plain);
@@ -139,8 +140,9 @@ void Factorization::factorize(std::span<const int> components, std::span<Outcome
 
 /// Copies the matrix before it is overwritten.
 void Factorization::keep() {
-  assert(!matrix_.empty());
+  assert(matrix_.capacity() >= values_.size() && "allow_refinement() before keep_matrix(true)");
   const Symbolic& s = *symbolic_;
+  matrix_.resize(values_.size());
   double largest = 0;
   each_extent(
       [&](std::size_t, std::int64_t begin, std::int64_t end) {

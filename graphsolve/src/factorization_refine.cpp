@@ -97,6 +97,7 @@ Factorization::Refinement Factorization::refine(std::span<const double> b, std::
 Factorization::Refinement Factorization::refine(std::span<const double> b, std::span<double> x,
                                                 std::span<const int> components, int max_sweeps) {
   if (matrix_.empty()) throw std::logic_error("refine: allow_refinement() and keep_matrix(true) come before factorize()");
+  for (auto* v : {&residual_, &residual_low_, &magnitude_, &best_}) v->resize(symbolic_->rows());
   refined_.assign(components.begin(), components.end());
   const auto keep_x = [&](int c) { each_row(c, [&](int i) { best_[i] = x[i]; }); };
   set_active(components);
@@ -111,10 +112,9 @@ Factorization::Refinement Factorization::refine(std::span<const double> b, std::
   for (int sweep = 0; sweep < max_sweeps; ++sweep) {
     std::erase_if(refined_, [&](int c) { return in_vain_[c] == patience || !(least_error_[c] > goal); });
     if (refined_.empty()) break;
-    for (const int c : refined_) each_row(c, [&](int i) { correction_[i] = residual_[i]; });
     set_active(refined_);
-    solve_active(correction_.data(), 1);
-    for (const int c : refined_) each_row(c, [&](int i) { x[i] += correction_[i]; });
+    solve_active(residual_.data(), 1);
+    for (const int c : refined_) each_row(c, [&](int i) { x[i] += residual_[i]; });
     residual(b, x);
     for (const int c : refined_) {
       if (precision_[c] == Precision::twice) residual_twice(b, x, c);

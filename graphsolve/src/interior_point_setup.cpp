@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -34,8 +35,9 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   for (PortBatch* ports : problem_.ports()) add_lists(*ports, port_lists_);
   factorization_.leave_unzeroed(claims);
 
-  for (auto* v : {&x_, &start_, &dx_, &rhs_, &residual_}) v->assign(s.rows(), 0.0);
-  row_scale_.assign(problem_.row_scale().begin(), problem_.row_scale().end());
+  for (auto* v : {&x_, &dx_, &rhs_, &residual_}) v->assign(s.rows(), 0.0);
+  row_scale_.assign(s.rows(), std::numeric_limits<double>::quiet_NaN());
+  std::ranges::copy(problem_.row_scale(), row_scale_.begin());
   for (auto* v : {&error_, &previous_error_, &product_, &mu_, &mu_floor_, &alpha_, &ratio_, &sum_, &correction_, &scale_,
                   &tolerance_, &change_, &good_error_, &last_alpha_, &port_error_, &start_error_,
                   &start_residual_, &largest_ratio_})
@@ -124,7 +126,7 @@ void InteriorPoint::begin(std::span<const double> x, double force_factor, std::s
     throw std::invalid_argument("noise of " + std::to_string(noise.size()) + " numbers, the graph has " +
                                 std::to_string(reports_.size()) + " components");
   std::copy(x.begin(), x.end(), x_.begin());
-  std::copy(x.begin(), x.end(), start_.begin());
+  start_ = x;
   running_.assign(selected_.begin(), selected_.end());
   set_running();
   scales_known_ = std::all_of(running_.begin(), running_.end(), [&](int c) { return scaled_[c] != 0; });

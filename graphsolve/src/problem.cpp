@@ -7,8 +7,7 @@
 
 namespace graphsolve {
 
-Problem::Problem(BlockGraph graph)
-    : graph_(std::move(graph)), row_scale_(graph_.rows(), std::numeric_limits<double>::quiet_NaN()) {}
+Problem::Problem(BlockGraph graph) : graph_(std::move(graph)) {}
 
 void Problem::couple(std::span<const NodeId> nodes, Coupling coupling) {
   const std::size_t centres = coupling == Coupling::star ? std::min<std::size_t>(1, nodes.size()) : nodes.size();
@@ -31,6 +30,7 @@ void Problem::set_row_scale(NodeId node, std::span<const double> scale) {
   if (static_cast<int>(scale.size()) != graph_.dimension(node))
     throw std::invalid_argument("node '" + std::string(graph_.name(node)) + "': " + std::to_string(scale.size()) +
                                 " row scales for " + std::to_string(graph_.dimension(node)) + " rows");
+  if (row_scale_.empty()) row_scale_.assign(graph_.rows(), std::numeric_limits<double>::quiet_NaN());
   std::copy(scale.begin(), scale.end(), row_scale_.begin() + graph_.row(node));
 }
 

@@ -58,11 +58,12 @@ Symbolic::Symbolic(const BlockGraph& graph, const Ordering& ordering, Packs pack
 
 void Symbolic::count_memory() {
   const auto bytes = [](std::int64_t count, std::size_t size) { return count * static_cast<std::int64_t>(size); };
-  int largest = 0, spread = 0, uncertain = 0;
+  int largest = 0, spread = 0, uncertain = 0, uncertain_rows = 0;
   for (int k = 0; k < pivots(); ++k) {
     largest = std::max(largest, dimension(k));
     spread = std::max(spread, spread_size(*this, k));
     uncertain += may_depend(k) ? 1 : 0;
+    uncertain_rows += may_depend(k) ? dimension(k) : 0;
   }
   const std::int64_t plan = sizeof(Symbolic) + bytes(pivots(), sizeof(Pivot) + 2 * sizeof(int)) +
                             bytes(components() + 1, sizeof(int)) +
@@ -70,7 +71,7 @@ void Symbolic::count_memory() {
                             bytes(targets_.size(), sizeof(std::int64_t)) + program_->memory();
   const std::int64_t numbers =
       sizeof(Factorization) + bytes(values_size_, sizeof(double)) +
-      bytes(rows_, 2 * sizeof(int) + 2 * sizeof(double) + sizeof(Factorization::DroppedRow)) +
+      bytes(rows_, 2 * sizeof(int) + 2 * sizeof(double)) + bytes(uncertain_rows, sizeof(Factorization::DroppedRow)) +
       bytes(pivots(), 2 * sizeof(int) + 3 * sizeof(char)) + bytes(uncertain, sizeof(int)) + bytes(spread, sizeof(double)) +
       bytes(2 * std::int64_t{largest} * largest + 3 * largest, sizeof(double)) +
       bytes(components(), sizeof(Factorization::Outcome) + 2 * sizeof(int));

@@ -15,19 +15,39 @@ struct ContactResponse {
   double slip_speed = 0;           ///< before the step, where t1 follows the slip; 0: t1 is constant
 };
 
+/// A sphere on a body against a plane. Port supplies point() (body frame), normal(), plane_offset() = n . o, radius().
+template <class Port>
+class PlanePoint {
+ public:
+  /// Signed distance at a pose [m].
+  [[nodiscard]] double distance(const Pose& pose) const {
+    return port().normal().dot(pose.x + pose.rotation * port().point()) - port().plane_offset() - port().radius();
+  }
+  /// From the body's centre to the lowest point of the sphere, world [m].
+  [[nodiscard]] Vec3 world_arm(const Pose& pose) const {
+    return pose.rotation * port().point() - port().radius() * port().normal();
+  }
+  [[nodiscard]] Vec3 contact_point(const Pose& pose) const {  ///< body frame, lowest point of the sphere
+    return port().point() - port().radius() * (pose.rotation.transpose() * port().normal());
+  }
+
+ private:
+  [[nodiscard]] const Port& port() const { return static_cast<const Port&>(*this); }
+};
+
 /// A contact point of one body against a plane, `rows` = 1 (normal) or 3 (normal, t1, t2):
 ///   u_n = phi(z_{k+2}) / dt,  phi = n . (x + R p - o) - radius            (eq. 14, 24f)
 ///   u_t = t . (v' + R1 (w' x p')),  p' the contact point at z_{k+1}       (eq. 24c)
 /// Forces act along n, t1, t2 at z_{k+1}: J1 = [n^T, (p' x R1^T n)^T] and so on.
 template <int Rows>
-class ContactPort {
+class ContactPort : public PlanePoint<ContactPort<Rows>> {
  public:
   static constexpr int rows = Rows;
   static constexpr int node_count = 1;
   std::array<graphsolve::NodeId, 1> nodes;
 
   ContactPort(Bodies& bodies, int body, const Vec3& point, const Vec3& normal, double offset, double radius)
-      : nodes{bodies.node(body)}, bodies_(&bodies), body_(body) {
+      : nodes{bodies.node(body)}, bodies_(&bodies), body_(body), row_(bodies.row[body]) {
     place(point, normal, offset, radius);
   }
   /// Another point of the same body, another plane.
@@ -43,11 +63,9 @@ class ContactPort {
     block_ = wiring.block(nodes[0], nodes[0]);
   }
 
-  /// Signed distance at a pose [m].
-  [[nodiscard]] double distance(const Pose& pose) const {
-    return g_.normal.dot(pose.x + pose.rotation * g_.point) - g_.offset - g_.radius;
-  }
   [[nodiscard]] int body() const { return body_; }
+  [[nodiscard]] const Vec3& point() const { return g_.point; }
+  [[nodiscard]] double radius() const { return g_.radius; }
   [[nodiscard]] const Vec3& normal() const { return g_.normal; }
   [[nodiscard]] const Vec3& tangent1() const { return g_.tangent[0]; }
   [[nodiscard]] const Vec3& tangent2() const { return g_.tangent[1]; }
@@ -56,17 +74,13 @@ class ContactPort {
     g_.tangent[0] = t1;
     g_.tangent[1] = g_.normal.cross(t1);
   }
-  /// From the body's centre to the lowest point of the sphere, world [m].
-  [[nodiscard]] Vec3 world_arm(const Pose& pose) const { return pose.rotation * g_.point - g_.radius * g_.normal; }
   [[nodiscard]] double plane_offset() const { return g_.offset; }
-  [[nodiscard]] Vec3 contact_point(const Pose& pose) const {  ///< body frame, lowest point of the sphere
-    return g_.point - g_.radius * (pose.rotation.transpose() * g_.normal);
-  }
+  [[nodiscard]] const Vec3& lever(int row) const { return g_.lever[row]; }  ///< of the force along it, body frame
 
   /// Force directions: before a step at `now`.
   void prepare() { prepare(bodies_->now[body_]); }
   void prepare(const Pose& pose) {
-    const Vec3 p = contact_point(pose);
+    const Vec3 p = this->contact_point(pose);
     g_.lever[0] = p.cross(pose.rotation.transpose() * g_.normal);
     for (int r = 1; r < rows; ++r) g_.lever[r] = p.cross(pose.rotation.transpose() * g_.tangent[r - 1]);
   }
@@ -134,23 +148,17 @@ class ContactPort {
     }
   }
 
-  [[nodiscard]] int row() const { return row_; }
-  [[nodiscard]] const graphsolve::BlockHandle& block() const { return block_; }
-
-  /// What the contact is and where its forces act, in this order as kernels read them.
+ private:
+  /// What the contact is and where its forces act.
   struct Geometry {
     Vec3 point, normal;
     double radius, offset;  ///< offset = n . o
     std::array<Vec3, 2> tangent{Vec3::Zero(), Vec3::Zero()};
     std::array<Vec3, 3> lever{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   };
-  static_assert(sizeof(Geometry) == 23 * sizeof(double));
-  [[nodiscard]] const Geometry& geometry() const { return g_; }
-
- private:
   Bodies* bodies_;
   int body_;
-  int row_ = -1;
+  int row_;  ///< -1 before it is wired
   graphsolve::BlockHandle block_;
   Geometry g_;
   Vec3 rate_normal_ = Vec3::Zero();

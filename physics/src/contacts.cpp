@@ -42,7 +42,7 @@ void Contacts::add(const Contact& contact, int source, int body) {
     entry.index = none_.add(port(std::integral_constant<int, 1>{}), graphsolve::Nonnegative());
   } else if (contact.directions == 4) {
     entry.batch = Batch::four;
-    entry.index = four_.add(port(std::integral_constant<int, 3>{}));
+    entry.index = four_.add(body);
   } else {
     entry.batch = Batch::any;
     entry.index = any_.add(port(std::integral_constant<int, 3>{}), PyramidLaw<0>(1, 1, 1, contact.directions));
@@ -68,9 +68,9 @@ void Contacts::set(int lane, const Mechanism& mechanism, const Assembly& assembl
     const Vec3 point = placed_point(c);
     const double stiffness = largest_stiffness(body.mass, body.smallest_inertia, point.norm());
     entry.aligned = entry.batch != Batch::none && c.friction_model == FrictionModel::aligned;
-    visit(entry, [&]<class PortType, class Law>(PortType& port, Law&& law) {
+    visit(entry, [&](auto&& port, auto&& law) {
       port.place(point, c.normal, c.normal.dot(c.plane_point), c.radius);
-      if constexpr (PortType::rows == 3) {
+      if constexpr (std::decay_t<decltype(port)>::rows == 3) {
         port.set_tangent(c.tangent.value_or(c.normal.unitOrthogonal()));
         law.describe(*c.friction, body.island_mass, stiffness, c.directions);
       } else {
@@ -95,7 +95,7 @@ Contacts::Reach Contacts::prepare(int lane, std::span<const double> velocity, co
     entry.loaded = entry.active;
     entry.turned = false;
     entry.slip_speed = 0;
-    visit(entry, [&](auto& port, auto&& law) {
+    visit(entry, [&](auto&& port, auto&& law) {
       const Pose& pose = bodies_.now[port.body()];
       if (port.body() != body) {
         body = port.body();
@@ -167,7 +167,7 @@ int Contacts::put_back(int lane) {
   int count = 0;
   each_entry(lane, [&](Entry& entry) {
     if (entry.active) return;
-    visit(entry, [&](auto& port, auto&& law) {
+    visit(entry, [&](auto&& port, auto&& law) {
       if (!(port.distance(bodies_.next[port.body()]) < broken_through)) return;
       entry.active = true;
       if constexpr (std::decay_t<decltype(port)>::rows == 3) law.clear();
@@ -221,7 +221,7 @@ void Contacts::save(int lane) {
 void Contacts::recall(int lane) {
   each_entry(lane, [&](Entry& entry) {
     entry.active = entry.saved_active;
-    visit(entry, [&](auto& port, auto&& law) {
+    visit(entry, [&](auto&& port, auto&& law) {
       const double* impulse = saved_.data() + entry.saved;
       if constexpr (std::decay_t<decltype(port)>::rows == 3) {
         port.set_tangent(entry.saved_tangent);
@@ -236,7 +236,7 @@ void Contacts::recall(int lane) {
 void Contacts::load_record(int lane, std::span<const ContactRecord> records, double impulse_time) {
   each_entry(lane, [&](Entry& entry) {
     const ContactRecord& record = records[entry.source];
-    visit(entry, [&](auto& port, auto&& law) {
+    visit(entry, [&](auto&& port, auto&& law) {
       entry.active = record.normal_force > 0;
       if constexpr (std::decay_t<decltype(port)>::rows == 3) {
         if (entry.aligned && record.tangent) port.set_tangent(*record.tangent);

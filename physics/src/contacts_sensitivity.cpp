@@ -13,7 +13,7 @@ void ContactPort<Rows>::differentiate(std::span<const double> x, const ContactRe
   const Pose &now = bodies_->now[body_], &next = bodies_->next[body_];
   const Eigen::Map<const Vec3> w2(x.data() + row_ + 3);
   const Mat3 to_body = now.rotation.transpose();
-  const Vec3 p = contact_point(now), n = to_body * g_.normal, n2 = next.rotation.transpose() * g_.normal;
+  const Vec3 p = this->contact_point(now), n = to_body * g_.normal, n2 = next.rotation.transpose() * g_.normal;
   Vec3 axis[3] = {g_.normal, g_.tangent[0], g_.tangent[1]};
   Columns force;  // J1^T
   Vec3 pushed = Vec3::Zero();
@@ -51,11 +51,11 @@ void ContactPort<Rows>::differentiate(std::span<const double> x, const ContactRe
 
 namespace {
 
-/// A law that can be asked on its own.
-template <class Law>
-decltype(auto) whole(Law& law) {
-  if constexpr (requires { law.copy(); }) return law.copy();
-  else return (law);
+/// A law or port that can be asked on its own.
+template <class T>
+decltype(auto) whole(T& part) {
+  if constexpr (requires { part.copy(); }) return part.copy();
+  else return (part);
 }
 
 }  // namespace
@@ -65,10 +65,11 @@ void Contacts::differentiate(int lane, std::span<const double> x, const StepStar
   for (int i = 0; i < per_lane_; ++i) {
     const Entry& entry = contacts_[side_by_side_.index(lane, i)];
     if (!entry.active) continue;
-    visit(entry, [&](auto& port, auto&& kept) {
-      constexpr int rows = std::decay_t<decltype(port)>::rows;
+    visit(entry, [&](auto&& kept_port, auto&& kept_law) {
+      constexpr int rows = std::decay_t<decltype(kept_port)>::rows;
       ContactResponse<rows> response;
-      auto&& law = whole(kept);
+      auto&& port = whole(kept_port);
+      auto&& law = whole(kept_law);
       port.prepare();
       port.evaluate(x, response.rate);
       law.residual(response.rate, response.force);

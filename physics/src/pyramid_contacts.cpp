@@ -25,18 +25,39 @@ PyramidLaw<4> PyramidLane::copy() const {
   return law;
 }
 
-int PyramidContacts::add(const ContactPort<3>& port) {
-  ports_.push_back(port);
+void PyramidPort::place(const Vec3& point, const Vec3& normal, double offset, double radius) {
+  set(octet_->point, point);
+  set(octet_->normal, normal);
+  octet_->offset[lane_] = offset;
+  octet_->radius[lane_] = radius;
+}
+
+void PyramidPort::set_tangent(const Vec3& t1) {
+  set(octet_->tangent[0], t1);
+  set(octet_->tangent[1], normal().cross(t1));
+}
+
+void PyramidPort::prepare(const Pose& pose) {
+  ContactPort<3> port = copy();
+  port.prepare(pose);
+  for (int r = 0; r < rows; ++r) set(octet_->lever[r], port.lever(r));
+}
+
+ContactPort<3> PyramidPort::copy() const {
+  ContactPort<3> port(*bodies_, body_, point(), normal(), plane_offset(), radius());
+  port.set_tangent(tangent1());
+  return port;
+}
+
+int PyramidContacts::add(int body) {
+  seats_.push_back({bodies_.node(body), body});
   return size() - 1;
 }
 
 void PyramidContacts::wire(const graphsolve::Wiring& wiring) {
-  if (ports_.empty()) return;
+  if (seats_.empty()) return;
   std::vector<Placed> placed;
-  for (auto& port : ports_) {
-    port.wire(wiring);
-    placed.push_back({0, port.block()});
-  }
+  for (const Seat& seat : seats_) placed.push_back({0, wiring.block(seat.node, seat.node)});
   place_ = places_in_octets(placed);
   const int octets = octets_for(1 + *std::max_element(place_.begin(), place_.end()));
   octets_.assign(octets, {});
@@ -44,15 +65,15 @@ void PyramidContacts::wire(const graphsolve::Wiring& wiring) {
   blocks_.assign(octets, {});
   one_body_.assign(octets, 1);
   contact_at_.assign(octets * graphsolve::simd::lanes, -1);
-  product_.assign(ports_.size(), 0.0);
+  product_.assign(seats_.size(), 0.0);
   kernels_ = contact_kernels();
   std::vector<int> body(octets, -1);
   for (int i = 0; i < size(); ++i) {
     const int octet = octet_of(place_[i]);
     contact_at_[place_[i]] = i;
     blocks_[octet].set(lane_of(place_[i]), placed[i].block);
-    if (body[octet] >= 0 && body[octet] != ports_[i].body()) one_body_[octet] = 0;
-    body[octet] = ports_[i].body();
+    if (body[octet] >= 0 && body[octet] != seats_[i].body) one_body_[octet] = 0;
+    body[octet] = seats_[i].body;
   }
   find_lane_places(wiring);
   for (auto& blocks : blocks_) blocks.finish();
@@ -62,7 +83,7 @@ void PyramidContacts::wire(const graphsolve::Wiring& wiring) {
     std::array<int, lanes> of_lane;
     for (int l = 0; l < lanes; ++l) {
       const int i = contact_at_[octet * lanes + l];
-      of_lane[l] = i < 0 ? Bodies::nothing : ports_[i].body();
+      of_lane[l] = i < 0 ? Bodies::nothing : seats_[i].body;
     }
     beside_.push_back(bodies_.octet_of_all(of_lane));
   }
@@ -77,8 +98,8 @@ void PyramidContacts::find_lane_places(const graphsolve::Wiring& wiring) {
     for (int l = 0; l < graphsolve::simd::lanes; ++l)
       if (contact_at_[octet * graphsolve::simd::lanes + l] >= 0) used |= 1u << l;
     each_contact(octet, used, [&](int lane, int i) {
-      places.row[lane] = ports_[i].row();
-      places.component[lane] = wiring.component(ports_[i].nodes.front());
+      places.row[lane] = wiring.row(seats_[i].node);
+      places.component[lane] = wiring.component(seats_[i].node);
     });
     places.side_by_side = used == 0xffu;
     for (int l = 1; l < graphsolve::simd::lanes; ++l)
@@ -128,7 +149,7 @@ void PyramidContacts::give(const ContactTask& task, int octet, F&& f) const {
 void PyramidContacts::point_at_poses(ContactTask& task, int octet) const {
   task.bodies = beside_[octet];
   if (task.bodies) return;
-  each_contact(octet, task.used, [&](int lane, int i) { task.pose[lane] = bodies_.next[ports_[i].body()].x.data(); });
+  each_contact(octet, task.used, [&](int lane, int i) { task.pose[lane] = bodies_.next[seats_[i].body].x.data(); });
 }
 
 template <class T>
@@ -138,10 +159,8 @@ void PyramidContacts::point_at_rows(T** to, int octet, T* x) const {
 
 void PyramidContacts::remember(Instances instances, double factor) {
   each_octet(instances, [&](ContactTask& task, int octet) {
-    const double* geometry[graphsolve::simd::lanes];
-    each_contact(octet, task.used, [&](int lane, int i) { task.pose[lane] = bodies_.now[ports_[i].body()].x.data(); });
-    each_contact(octet, task.used, [&](int lane, int i) { geometry[lane] = ports_[i].geometry().point.data(); });
-    kernels_.remember(task, factor, geometry);
+    each_contact(octet, task.used, [&](int lane, int i) { task.pose[lane] = bodies_.now[seats_[i].body].x.data(); });
+    kernels_.remember(task, factor);
   });
 }
 
@@ -151,12 +170,7 @@ void PyramidContacts::restore(Instances instances) {
 
 /// With force directions at the new configuration the arms change with it.
 void PyramidContacts::aim_at_next(std::span<const int> contacts) {
-  for (const int i : contacts) {
-    ports_[i].prepare(bodies_.next[ports_[i].body()]);
-    for (int t = 0; t < 3; ++t)
-      for (int k = 0; k < 3; ++k)
-        octets_[octet_of(place_[i])].lever[t][k][lane_of(place_[i])] = ports_[i].geometry().lever[t][k];
-  }
+  for (const int i : contacts) port(i).prepare(bodies_.next[seats_[i].body]);
 }
 
 void PyramidContacts::start_warm(Instances instances, std::span<const double> x, std::span<const double> mu,

@@ -31,19 +31,52 @@ class PyramidLane : public PyramidImpulses<PyramidLane> {
   int lane_;
 };
 
+/// The port of one of the contacts below, likewise.
+class PyramidPort : public PlanePoint<PyramidPort> {
+ public:
+  static constexpr int rows = 3;
+  PyramidPort(Bodies& bodies, int body, ContactOctet& octet, int lane)
+      : bodies_(&bodies), body_(body), octet_(&octet), lane_(lane) {}
+
+  void place(const Vec3& point, const Vec3& normal, double offset, double radius);
+  [[nodiscard]] int body() const { return body_; }
+  [[nodiscard]] Vec3 point() const { return at(octet_->point); }
+  [[nodiscard]] Vec3 normal() const { return at(octet_->normal); }
+  [[nodiscard]] Vec3 tangent1() const { return at(octet_->tangent[0]); }
+  [[nodiscard]] Vec3 tangent2() const { return at(octet_->tangent[1]); }
+  [[nodiscard]] double radius() const { return octet_->radius[lane_]; }
+  [[nodiscard]] double plane_offset() const { return octet_->offset[lane_]; }
+  void set_tangent(const Vec3& t1);
+  void prepare() { prepare(bodies_->now[body_]); }
+  void prepare(const Pose& pose);
+  /// The same as a port of its own.
+  [[nodiscard]] ContactPort<3> copy() const;
+
+ private:
+  [[nodiscard]] Vec3 at(const Octet* numbers) const { return {numbers[0][lane_], numbers[1][lane_], numbers[2][lane_]}; }
+  void set(Octet* numbers, const Vec3& v) const {
+    for (int k = 0; k < 3; ++k) numbers[k][lane_] = v[k];
+  }
+  Bodies* bodies_;
+  int body_;
+  ContactOctet* octet_;
+  int lane_;
+};
+
 /// Contacts with four friction facets, eight at a time: ContactPort<3> with PyramidLaw<4>, computed by kernels for packs.
-/// Ports keep what a contact is; octets hold what a step needs, and the private unknowns of the laws.
+/// All numbers lie in octets: what a contact is, what a step needs, and the private unknowns of the laws.
 class PyramidContacts final : public graphsolve::PortBatch {
  public:
   explicit PyramidContacts(Bodies& bodies) : bodies_(bodies) {}
-  int add(const ContactPort<3>& port);
-  [[nodiscard]] ContactPort<3>& port(int i) { return ports_[i]; }
-  [[nodiscard]] const ContactPort<3>& port(int i) const { return ports_[i]; }
-  /// Once they are wired.
+  int add(int body);
+  // Once they are wired.
+  [[nodiscard]] PyramidPort port(int i) {
+    return {bodies_, seats_[i].body, octets_[octet_of(place_[i])], lane_of(place_[i])};
+  }
   [[nodiscard]] PyramidLane law(int i) { return {octets_[octet_of(place_[i])], lane_of(place_[i])}; }
 
-  [[nodiscard]] int size() const override { return static_cast<int>(ports_.size()); }
-  [[nodiscard]] std::span<const graphsolve::NodeId> nodes(int i) const override { return ports_[i].nodes; }
+  [[nodiscard]] int size() const override { return static_cast<int>(seats_.size()); }
+  [[nodiscard]] std::span<const graphsolve::NodeId> nodes(int i) const override { return {&seats_[i].node, 1}; }
   [[nodiscard]] int degree(int) const override { return ContactOctet::pairs; }
   [[nodiscard]] double scale(int i) const override { return octets_[octet_of(place_[i])].scale[lane_of(place_[i])]; }
   void wire(const graphsolve::Wiring& wiring) override;
@@ -79,7 +112,11 @@ class PyramidContacts final : public graphsolve::PortBatch {
   void aim_at_next(std::span<const int> contacts);
 
   Bodies& bodies_;
-  std::vector<ContactPort<3>> ports_;
+  struct Seat {
+    graphsolve::NodeId node;
+    int body;
+  };
+  std::vector<Seat> seats_;
   // Contacts in octets, known once they are wired.
   std::vector<int> place_, contact_at_;
   struct LanePlaces {

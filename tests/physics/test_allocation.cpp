@@ -205,8 +205,8 @@ double bytes_per_link(const char* scene) {
 }
 
 TEST_F(Allocation, OfALinkIsBounded) {
-  EXPECT_LE(bytes_per_link("snake"), 8400) << "with one contact";
-  EXPECT_LE(bytes_per_link("pendulum"), 6950);
+  EXPECT_LE(bytes_per_link("snake"), 7850) << "with one contact";
+  EXPECT_LE(bytes_per_link("pendulum"), 6650);
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ class PyramidContactsTest : public testing::TestWithParam<graphsolve::simd::Inst
       ContactPort<3> port(bodies, i * bodies_count / contacts, vector(0.5), normal, uniform(-1, 0), uniform(0, 0.2));
       port.set_tangent(normal.unitOrthogonal());
       port.prepare();
-      packs.add(port);
+      packs.add(port.body());
       friction.push_back(uniform(0.1, 1.5));
       singles.add(port, PyramidLaw<4>(friction.back(), 2, 1e9));
     }
@@ -50,7 +50,12 @@ class PyramidContactsTest : public testing::TestWithParam<graphsolve::simd::Inst
     const graphsolve::Wiring wiring(*symbolic, graph);
     bodies.wire(wiring);
     packs.wire(wiring);
-    for (int i = 0; i < contacts; ++i) packs.law(i).describe(friction[i], 2, 1e9, 4);
+    for (int i = 0; i < contacts; ++i) {
+      const ContactPort<3>& port = singles.port(i);
+      packs.port(i).place(port.point(), port.normal(), port.plane_offset(), port.radius());
+      packs.port(i).set_tangent(port.tangent1());
+      packs.law(i).describe(friction[i], 2, 1e9, 4);
+    }
     singles.wire(wiring);
     component.resize(contacts);
     for (int i = 0; i < contacts; ++i) component[i] = symbolic->component(packs.nodes(i).front());

@@ -257,7 +257,7 @@ class Factorization {
                                       ///< 1 where there are packs
   std::vector<char> scattered_;       ///< per pivot: may blocks that it changes lie interleaved with others?
   std::vector<double> spread_;        ///< for the update of equal couplings
-  std::vector<double> residual_, residual_low_, magnitude_, correction_, best_;
+  std::vector<double> residual_, residual_low_, magnitude_, best_;
   std::vector<DroppedRow> dropped_;
   // For refactorize().
   struct Share {

@@ -143,7 +143,8 @@ class InteriorPoint {
   const simd::VectorKernels* kernels_;
   std::vector<RowRange> row_ranges_;   ///< rows of each component, neighbours joined
   std::vector<int> row_range_begin_;   ///< by component, into row_ranges_
-  std::vector<double> x_, start_, dx_, rhs_, residual_, row_scale_;
+  std::vector<double> x_, dx_, rhs_, residual_, row_scale_;
+  std::span<const double> start_;  ///< the caller's x, which keeps the start until the end of a solve
   // By component.
   std::vector<ComponentReport> reports_;
   std::vector<Factorization::Outcome> outcomes_;

@@ -27,7 +27,7 @@ class Problem {
   [[nodiscard]] const BlockGraph& graph() const { return graph_; }
   [[nodiscard]] std::span<Term* const> terms() const { return terms_; }
   [[nodiscard]] std::span<PortBatch* const> ports() const { return ports_; }
-  /// By row; NaN where not set.
+  /// By row, NaN where not set; empty where none is.
   [[nodiscard]] std::span<const double> row_scale() const { return row_scale_; }
 
  private:

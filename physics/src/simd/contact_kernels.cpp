@@ -79,23 +79,21 @@ HWY_INLINE void keep_largest(Pack& largest, const Pack& e) {
   largest = gs::select((e > largest) | !(e >= e), e, largest);  // a NaN stays
 }
 
-void Remember(const ContactTask& task, double factor, const double* const* geometry) {
+void Remember(const ContactTask& task, double factor) {
   ContactOctet& o = *task.octet;
   const Keeper keep(task.used);
-  Pack numbers[14], rotation[9], lever[3];
-  gs::load_transposed(geometry, 14, numbers, task.used);
-  for (int i = 0; i < 14; ++i) keep(numbers[i], o.point[i]);
+  Pack rotation[9], lever[3];
   const double* turned[8];
   for (int l = 0; l < 8; ++l) turned[l] = task.pose[l] + 7;
   gs::load_transposed(turned, 9, rotation, read(task));
-  const Vector3 local = transposed_times(matrix(rotation), vector(numbers + 3));
-  const Vector3 arm = vector(numbers) - numbers[6] * local;  // to the lowest point
+  const Vector3 local = transposed_times(matrix(rotation), load3(o.normal));
+  const Vector3 arm = load3(o.point) - load(o.radius) * local;  // to the lowest point
   const auto keep_lever = [&](const Vector3& force, Octet* to) HWY_ATTR {
     put(cross(arm, force), lever);
     for (int k = 0; k < 3; ++k) keep(lever[k], to[k]);
   };
   keep_lever(local, o.lever[0]);
-  for (int t = 0; t < 2; ++t) keep_lever(transposed_times(matrix(rotation), vector(numbers + 8 + 3 * t)), o.lever[t + 1]);
+  for (int t = 0; t < 2; ++t) keep_lever(transposed_times(matrix(rotation), load3(o.tangent[t])), o.lever[t + 1]);
   for (int k = 0; k < pairs; ++k) {
     keep(load(o.s[k]), o.remembered_s[k]);
     keep(Pack(factor) * load(o.z[k]), o.remembered_z[k]);

@@ -10,7 +10,7 @@ namespace physics {
 /// pairs in this order: normal, four facets, friction bound.
 struct ContactOctet {
   static constexpr int pairs = 6;
-  // Of the port: the first 14 numbers in the order of ContactPort::Geometry.
+  // Of the port.
   Octet point[3], normal[3], radius, offset, tangent[2][3];
   Octet lever[3][3];  ///< as ContactPort::prepare makes them
   Octet rate_normal[3];
@@ -41,8 +41,8 @@ struct ContactTask {
 };
 
 struct ContactKernels {
-  /// Takes up the geometry and makes levers at the poses of the task; impulses times factor are remembered.
-  void (*remember)(const ContactTask&, double factor, const double* const* geometry);
+  /// Makes levers at the poses of the task; impulses times factor are remembered.
+  void (*remember)(const ContactTask&, double factor);
   void (*restore)(const ContactTask&);
   void (*start_warm)(const ContactTask&);                  ///< first: mu; second: scale
   void (*start_cold)(const ContactTask&, double velocity); ///< second: scale
