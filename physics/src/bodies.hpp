@@ -12,15 +12,19 @@ namespace physics {
 struct Sensitivity;
 struct StepStart;
 
-/// A body's configuration, and how its rotation answers to the velocity: d theta = dt turn dw. Kernels read and write it
-/// as 25 numbers in this order.
+/// A body's configuration. Kernels read it as 16 numbers in this order.
 struct Pose {
   Vec3 x = Vec3::Zero();
   Quat q = Quat::Identity();
   Mat3 rotation = Mat3::Identity();
+};
+static_assert(sizeof(Pose) == 16 * sizeof(double));
+
+/// That at the end of a step, and how its rotation answers to the velocity: d theta = dt turn dw. 9 numbers more.
+struct NextPose : Pose {
   Mat3 turn = Mat3::Identity();
 };
-static_assert(sizeof(Pose) == 25 * sizeof(double));
+static_assert(sizeof(NextPose) == 25 * sizeof(double));
 
 /// The dynamics of all bodies, 6 rows each (eq. 12a without forces):
 ///   m v' - (m v + dt (m g + F)),   p+(w') - (p-(w) + dt tau).
@@ -37,16 +41,17 @@ class Bodies final : public graphsolve::Term {
   // By body.
   std::vector<double> mass;
   std::vector<Mat3> inertia;
-  std::vector<Pose> now, next;
+  std::vector<Pose> now;
+  std::vector<NextPose> next;
   std::vector<Vec3> known_linear, known_angular;  ///< momentum before the step plus impulse of loads
   std::vector<int> row;                           ///< of the velocity (v', w') among the unknowns
   double dt = 0;
   bool force_at_next = false;  ///< directions of constraint forces are taken at `next` instead of `now`
 
   /// The world's pose, for joints; never changes.
-  Pose world_pose;
-  [[nodiscard]] const Pose& pose_now(int body) const { return body < 0 ? world_pose : now[body]; }
-  [[nodiscard]] const Pose& pose_next(int body) const { return body < 0 ? world_pose : next[body]; }
+  NextPose world_pose;
+  [[nodiscard]] const Pose& pose_now(int body) const { return body < 0 ? static_cast<const Pose&>(world_pose) : now[body]; }
+  [[nodiscard]] const NextPose& pose_next(int body) const { return body < 0 ? world_pose : next[body]; }
   void place(int i, const Vec3& x, const Quat& q) {  ///< sets `now`
     now[i].x = x;
     if (now[i].q.coeffs() == q.coeffs()) return;

@@ -86,7 +86,7 @@ class ContactPort : public PlanePoint<ContactPort<Rows>> {
   }
 
   void evaluate(std::span<const double> x, double* u) {
-    const Pose& next = bodies_->next[body_];
+    const NextPose& next = bodies_->next[body_];
     if (bodies_->force_at_next) prepare(next);
     const Vec3 local = next.rotation.transpose() * g_.normal;
     rate_normal_.noalias() = next.turn.transpose() * g_.point.cross(local);

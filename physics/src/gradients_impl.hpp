@@ -51,7 +51,7 @@ struct StepGradient::Impl {
   Sensitivity sensitivity;
   std::vector<double> x;         ///< unknowns where the derivative is taken
   std::vector<double> unknowns;  ///< of the simulator, kept while it is rewound
-  std::vector<Pose> next;
+  std::vector<NextPose> next;
   std::vector<int> row;          ///< of each moving body
   std::vector<double> adjoint;   ///< by row
   Eigen::MatrixXd solutions;     ///< rows x pass_columns

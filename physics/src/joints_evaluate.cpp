@@ -52,7 +52,7 @@ void Joints::add_direction_derivative(const Joint& joint, const Vec3& impulse, d
   if (translations(joint.kind) != 3) return;
   const auto add = [&](int body, const Vec3& point, double sign) {
     if (body < 0) return;
-    const Pose& pose = bodies_.next[body];
+    const NextPose& pose = bodies_.next[body];
     const Vec3 local = pose.rotation.transpose() * impulse;
     graphsolve::block_view(values, bodies_.block(body)).bottomRightCorner<3, 3>() -=
         sign * bodies_.dt * skew(point) * skew(local) * pose.turn;

@@ -12,7 +12,7 @@ struct BodyOctet {
 
 /// Where eight bodies are at the present iterate, once more: joints and contacts that lie in the same lanes read it whole.
 struct BodyAtOctet {
-  Octet pose[25];    ///< Pose, after the step
+  Octet pose[25];    ///< NextPose
   Octet velocity[6]; ///< v, w
 };
 
@@ -23,7 +23,7 @@ struct BodyTask {
   double dt;
   const double* velocity[8];       ///< v, w
   const double* now[8];            ///< Pose
-  double* next[8];                 ///< Pose
+  double* next[8];                 ///< NextPose
   BodyAtOctet* at;                 ///< out; means nothing in lanes that are not used
   const double* known_linear[8];
   const double* known_angular[8];

@@ -30,7 +30,7 @@ struct ContactTask {
   unsigned used;
   bool one_body;            ///< all on the same one
   double dt;
-  const double* pose[8];    ///< Pose
+  const double* pose[8];    ///< NextPose; Pose will do to remember
   const BodyAtOctet* bodies = nullptr;  ///< all of them instead, with their velocities, where they lie in the same lanes
   const double* x[8];       ///< v, w of the body, or their change
   double* rows[8];          ///< 6 of the body

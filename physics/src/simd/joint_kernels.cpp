@@ -18,29 +18,31 @@ namespace {
 
 using graphsolve::simd::LaneBlocks;
 
-struct Place {  ///< a Pose
+struct Place {  ///< a NextPose, or a Pose, whose turn nobody needs
   Vector3 x;
   Quaternion q;
   Matrix3 rotation, turn;
 };
 
 /// Part by part: a copy of the whole would be slow.
+template <bool WithTurn>
 HWY_INLINE void load_place(const double* const* from, const BodyAtOctet* all, unsigned used, Place& to) {
   if (all) {
     to.x = load3(all->pose);
     to.q.v = load3(all->pose + 3);
     to.q.w = load(all->pose[6]);
     to.rotation = load33(all->pose + 7);
-    to.turn = load33(all->pose + 16);
+    if constexpr (WithTurn) to.turn = load33(all->pose + 16);
     return;
   }
-  Pack p[25];
-  gs::load_transposed(from, 25, p, used);
+  constexpr int numbers = WithTurn ? 25 : 16;
+  Pack p[numbers];
+  gs::load_transposed(from, numbers, p, used);
   to.x = vector(p);
   to.q.v = vector(p + 3);
   to.q.w = p[6];
   to.rotation = matrix(p + 7);
-  to.turn = matrix(p + 16);
+  if constexpr (WithTurn) to.turn = matrix(p + 16);
 }
 
 template <JointRows Rows>
@@ -67,7 +69,7 @@ HWY_INLINE Pack round(const Pack& a) {
 }
 
 /// A pack of joints between two poses.
-template <JointRows Rows>
+template <JointRows Rows, bool WithTurn>
 struct Joint {
   using K = Kind<Rows>;
   const JointPoints& points;
@@ -79,8 +81,8 @@ struct Joint {
 
   HWY_INLINE Joint(const JointTask& task)
       : points(*task.points), frames(task.frames), child_point(load3(points.child)) {
-    load_place(task.parent, task.parents, task.used, a);
-    load_place(task.child, task.children, task.used, b);
+    load_place<WithTurn>(task.parent, task.parents, task.used, a);
+    load_place<WithTurn>(task.child, task.children, task.used, b);
     if constexpr (K::rotations > 0) {
       const Quaternion rest{load3(frames->orientation), load(frames->orientation[3])};
       e = conjugate(a.q) * b.q * conjugate(rest);
@@ -116,25 +118,24 @@ struct Joint {
   }
 
   /// Derivatives of the rows by (x, theta) of child and parent; without a turn the force directions.
-  template <bool WithTurn>
   HWY_INLINE void derivative(Pack* child, Pack* parent) const {
     for (int i = 0; i < K::translations; ++i) {
-      if constexpr (K::slides) along_axis<WithTurn>(load3(frames->side[i]), child + 6 * i, parent + 6 * i);
-      else along_world<WithTurn>(i, child + 6 * i, parent + 6 * i);
+      if constexpr (K::slides) along_axis(load3(frames->side[i]), child + 6 * i, parent + 6 * i);
+      else along_world(i, child + 6 * i, parent + 6 * i);
     }
     const Vector3 zero{Pack(0.0), Pack(0.0), Pack(0.0)};
     const auto rotation_row = [&](const Vector3& on_child, const Vector3& on_parent, int r) HWY_ATTR {
       put(zero, child + 6 * r);
       put(zero, parent + 6 * r);
-      put(turned<WithTurn>(b, transposed_times(offset, on_child)), child + 6 * r + 3);
-      put(turned<WithTurn>(a, -on_parent), parent + 6 * r + 3);
+      put(turned(b, transposed_times(offset, on_child)), child + 6 * r + 3);
+      put(turned(a, -on_parent), parent + 6 * r + 3);
     };
     // d(2 vec e) = (w I + [v]x) R_off theta_b = -(w I - [v]x) theta_a
     for (int i = 0; i < K::rotations; ++i) {
       const Vector3 r = locked_rotation(i), even = e.w * r, odd = cross(r, e.v);
       rotation_row(even + odd, even - odd, K::translations + i);
     }
-    if constexpr (K::motor && K::slides) along_axis<WithTurn>(load3(frames->axis), child + 30, parent + 30);
+    if constexpr (K::motor && K::slides) along_axis(load3(frames->axis), child + 30, parent + 30);
     if constexpr (K::motor && K::hinge) {
       // Of 2 atan2(axis . v, w), exact off the hinge's manifold too.
       const Vector3 axis = load3(frames->axis);
@@ -145,27 +146,24 @@ struct Joint {
   }
 
  private:
-  template <bool WithTurn>
   static HWY_INLINE Vector3 turned(const Place& place, const Vector3& angular) {
     if constexpr (WithTurn) return transposed_times(place.turn, angular);
     else return angular;
   }
   /// Row of x_b + R_b p_b - x_a - R_a p_a in world axis i.
-  template <bool WithTurn>
   HWY_INLINE void along_world(int i, Pack* child, Pack* parent) const {
     put(unit(i), child);
     put(-unit(i), parent);
-    put(turned<WithTurn>(b, cross(child_point, row(b.rotation, i))), child + 3);
-    put(turned<WithTurn>(a, cross(row(a.rotation, i), load3(points.parent))), parent + 3);
+    put(turned(b, cross(child_point, row(b.rotation, i))), child + 3);
+    put(turned(a, cross(row(a.rotation, i), load3(points.parent))), parent + 3);
   }
   /// Row of f . R_a^T (x_b + R_b p_b - x_a), f fixed in the parent.
-  template <bool WithTurn>
   HWY_INLINE void along_axis(const Vector3& f, Pack* child, Pack* parent) const {
     const Vector3 world = a.rotation * f;
     put(world, child);
     put(-world, parent);
-    put(turned<WithTurn>(b, cross(child_point, transposed_times(b.rotation, world))), child + 3);
-    put(turned<WithTurn>(a, cross(f, arm())), parent + 3);
+    put(turned(b, cross(child_point, transposed_times(b.rotation, world))), child + 3);
+    put(turned(a, cross(f, arm())), parent + 3);
   }
 };
 
@@ -173,7 +171,7 @@ template <JointRows Rows>
 HWY_INLINE void aim(const JointTask& task) {
   constexpr int entries = 6 * Kind<Rows>::rows;
   Pack child[entries], parent[entries];
-  Joint<Rows>(task).template derivative<false>(child, parent);
+  Joint<Rows, false>(task).derivative(child, parent);
   const Mask used = lanes_of(task.used);
   const auto keep = [&](const Pack* from, Octet* to) HWY_ATTR {
     for (int i = 0; i < entries; ++i) store(gs::select(used, from[i], load(to[i])), to[i]);
@@ -207,12 +205,12 @@ HWY_INLINE void write(const JointTask& task, const Pack* derivative, const Octet
 /// (lambda - impulse_time * effort) * diagonal, an angle or a distance. Where the effort is at its limit it no longer
 /// answers to the velocity: the last row of the derivatives vanishes.
 template <JointRows Rows>
-HWY_INLINE Pack motor(const JointTask& task, const Joint<Rows>& joint, const Pack& lambda, Pack* child, Pack* parent,
+HWY_INLINE Pack motor(const JointTask& task, const Joint<Rows, true>& joint, const Pack& lambda, Pack* child, Pack* parent,
                       Pack& diagonal) {
   MotorOctet& m = *task.motor;
   const Pack before = load(m.coordinate), limit = load(m.limit), dt(task.dt);
   Pack change = joint.coordinate() - before;
-  if constexpr (Joint<Rows>::K::hinge) {  // follows full turns
+  if constexpr (Kind<Rows>::hinge) {  // follows full turns
     constexpr double turn = 2 * std::numbers::pi;
     change -= Pack(turn) * round(change * Pack(1 / turn));
   }
@@ -234,13 +232,13 @@ template <JointRows Rows>
 HWY_INLINE void evaluate(const JointTask& task) {
   using K = Kind<Rows>;
   const unsigned used = task.used;
-  const Joint<Rows> joint(task);
+  const Joint<Rows, true> joint(task);
   Pack g[K::rows], impulses[K::rows], wrenches[12], child[6 * K::rows], parent[6 * K::rows];
   joint.violation(g);
   const Pack rate(1 / task.dt);
   for (int i = 0; i < K::constraints; ++i) g[i] *= rate;
   gs::load_transposed(task.impulses, K::rows, impulses, used);
-  if (task.values) joint.template derivative<true>(child, parent);
+  if (task.values) joint.derivative(child, parent);
   if constexpr (K::motor) {
     Pack diagonal;
     g[5] = task.values ? motor(task, joint, impulses[5], child, parent, diagonal)

@@ -58,7 +58,7 @@ struct JointTask {
   Octet *child_force, *parent_force;   ///< directions of forces by row, 6 numbers each: entry 6 row + column
   unsigned used;
   double dt;
-  const double *parent[8], *child[8];  ///< Pose
+  const double *parent[8], *child[8];  ///< NextPose; Pose will do to aim
   const BodyAtOctet *parents = nullptr, *children = nullptr;  ///< all of them instead, where they lie in the same lanes
   const double* impulses[8];           ///< one per row
   double* residual[8];                 ///< of the joint's own rows
