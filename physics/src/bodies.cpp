@@ -42,6 +42,11 @@ const BodyAtOctet* Bodies::octet_of_all(std::span<const int, graphsolve::simd::l
   return octet < 0 ? nullptr : &at_[octet];
 }
 
+void Bodies::reserve(int bodies) {
+  const auto each = [&](auto&... lists) { (lists.reserve(bodies), ...); };
+  each(node_, row, now, next, known_linear, known_angular, mass, inertia);
+}
+
 void Bodies::add(const RigidBody& body, graphsolve::NodeId node) {
   node_.push_back(node);
   row.push_back(-1);

@@ -34,6 +34,7 @@ class Bodies final : public graphsolve::Term {
  public:
   static constexpr double largest_turn = 1.98;  ///< bound on |w| dt
 
+  void reserve(int bodies);
   void add(const RigidBody& body, graphsolve::NodeId node);
   /// Other numbers for body i, once it is wired.
   void set(int i, const RigidBody& body);

@@ -24,6 +24,7 @@ Contacts::Contacts(Bodies& bodies, const Interleaving& side_by_side, const Mecha
     (rigid(k) < 0 ? world_contacts_ : sources).push_back(k);
   per_lane_ = static_cast<int>(sources.size());
   world_distance_.resize(world_contacts_.size() * side_by_side_.copies());
+  contacts_.reserve(sources.size() * side_by_side_.copies());
   side_by_side_.each(per_lane_, [&](int lane, int i) {
     const int k = sources[i];
     add(mechanism.contacts[k], k, side_by_side_.index(lane, rigid(k)));

@@ -76,12 +76,18 @@ Mat3 Joints::locked_rotations(const JointGeometry& geometry) {
   return geometry.type == JointType::revolute ? frame_about(geometry.axis) : Mat3::Identity();
 }
 
+void Joints::reserve(int joints) {
+  joints_.reserve(joints);
+  wrenches_.reserve(joints);
+  to_aim_.reserve(joints);
+}
+
 void Joints::add(const JointGeometry& geometry, const Motor* motor, graphsolve::NodeId node) {
   Joint joint{.geometry = geometry, .motor = motor, .kind = rows_kind(geometry, motor), .nodes = {node}, .node_count = 1};
   if (geometry.child >= 0) joint.nodes[joint.node_count++] = bodies_.node(geometry.child);
   if (geometry.parent >= 0) joint.nodes[joint.node_count++] = bodies_.node(geometry.parent);
   joints_.push_back(joint);
-  to_aim_.reserve(joints_.size());
+  to_aim_.reserve(joints_.capacity());
   wrenches_.emplace_back();
 }
 

@@ -27,6 +27,7 @@ class Joints final : public graphsolve::Term {
 
   /// Rows that a joint of this geometry has.
   static int rows_of(const JointGeometry& geometry, const Motor* motor);
+  void reserve(int joints);
   void add(const JointGeometry& geometry, const Motor* motor, graphsolve::NodeId node);
   /// Other numbers for joint i, of the same type between the same bodies.
   void set(int i, const JointGeometry& geometry, const Motor* motor);

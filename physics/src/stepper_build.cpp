@@ -70,6 +70,8 @@ Assembly Stepper::describe(int lane, Mechanism scene) {
   validate(scene);
   Assembly assembly = assemble(scene, settings.merge_fixed_joints);
   if (solver) check_structure(scene, assembly);
+  const auto shrink = [](auto&... lists) { (lists.shrink_to_fit(), ...); };
+  shrink(scene.bodies, scene.joints, scene.contacts, scene.loads);  // kept as long as the lane is
   lanes[lane].mechanism = std::move(scene);
   lanes[lane].placement = assembly.placement;
   return assembly;
@@ -81,6 +83,8 @@ void Stepper::build(const Assembly& assembly) {
   bodies_per_lane = static_cast<int>(assembly.bodies.size());
   joints_per_lane = static_cast<int>(assembly.joints.size());
   problem = std::make_unique<graphsolve::Problem>(make_graph(scene, assembly, count()));
+  bodies.reserve(bodies_per_lane * count());
+  joints.reserve(joints_per_lane * count());
   side_by_side.each(bodies_per_lane, [&](int lane, int k) { bodies.add(assembly.bodies[k], body_node(lane, k)); });
   side_by_side.each(joints_per_lane, [&](int lane, int k) {
     joints.add(on_lane(lane, assembly.joints[k]), motor_of(scene, assembly.joints[k]), joint_node(lane, k));

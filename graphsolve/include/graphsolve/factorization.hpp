@@ -73,7 +73,7 @@ class Factorization {
   /// Whether the next factorizations keep that copy. Off at first.
   void keep_matrix(bool keep) { keep_matrix_ = keep; }
 
-  /// The kept copy, laid out like values(). The symmetric kinds fill both triangles of it.
+  /// The kept copy, laid out like values(); empty before the first. The symmetric kinds fill both triangles of it.
   [[nodiscard]] std::span<const double> matrix() const { return matrix_; }
 
   /// Proximal shift: every saddle row gets this part of what its neighbours added to its diagonal on top, with the
