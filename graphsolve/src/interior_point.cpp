@@ -74,7 +74,7 @@ Status InteriorPoint::solve(std::span<double> x, double force_factor, std::span<
       worst = reports_[c].status;
       continue;
     }
-    copy_rows(c, x_, x);
+    copy_rows(rows_of(c), x_, x);
   }
   return worst;
 }
@@ -97,7 +97,7 @@ void InteriorPoint::evaluate(With with) {
 void InteriorPoint::evaluate_terms(With with, std::span<double> residual) {
   linearized_ = with == With::matrix || !scales_known_;
   if (linearized_) factorization_.set_zero(running_);
-  for (const int c : running_) each_run(c, [&](int first, int count) { std::fill_n(residual.data() + first, count, 0.0); });
+  each_run(running_rows_, [&](int first, int count) { std::fill_n(residual.data() + first, count, 0.0); });
   const auto terms = problem_.terms();
   double* values = linearized_ ? factorization_.values().data() : nullptr;
   for (std::size_t b = 0; b < terms.size(); ++b) terms[b]->evaluate(running(term_lists_[b]), x_, residual, values);
@@ -115,7 +115,7 @@ void InteriorPoint::evaluate_ports() {
   }
   for (const int c : running_) {
     port_error_[c] = error_[c];
-    each_run(c, [&](int first, int count) {
+    each_run(rows_of(c), [&](int first, int count) {
       error_[c] = kernels_->largest_scaled(residual_.data() + first, row_scale_.data() + first, count, error_[c]);
     });
   }
@@ -153,8 +153,8 @@ bool InteriorPoint::factorize() {
 }
 
 void InteriorPoint::right_hand_side() {
-  for (const int c : running_)
-    each_run(c, [&](int first, int count) { kernels_->negate(residual_.data() + first, dx_.data() + first, count); });
+  each_run(running_rows_,
+           [&](int first, int count) { kernels_->negate(residual_.data() + first, dx_.data() + first, count); });
   const auto ports = problem_.ports();
   for (std::size_t b = 0; b < ports.size(); ++b)
     if (!port_lists_[b].running.empty())
@@ -166,7 +166,7 @@ void InteriorPoint::solve_linear() {
   for (const int c : running_)
     if (refine_[c]) {
       refining_.push_back(c);
-      copy_rows(c, dx_, rhs_);
+      copy_rows(rows_of(c), dx_, rhs_);
     }
   factorization_.solve_components(dx_, running_);
   if (!refining_.empty()) (void)factorization_.refine(rhs_, dx_, refining_, 2);
@@ -231,11 +231,13 @@ void InteriorPoint::combined_step() {
 
 /// x += factor dx
 void InteriorPoint::move_by(int c, double factor) {
-  each_run(c, [&](int first, int count) { kernels_->add_scaled(factor, dx_.data() + first, x_.data() + first, count); });
+  each_run(rows_of(c), [&](int first, int count) {
+    kernels_->add_scaled(factor, dx_.data() + first, x_.data() + first, count);
+  });
 }
 
-void InteriorPoint::copy_rows(int c, std::span<const double> from, std::span<double> to) const {
-  each_run(c, [&](int first, int count) { std::copy_n(from.data() + first, count, to.data() + first); });
+void InteriorPoint::copy_rows(std::span<const RowRange> ranges, std::span<const double> from, std::span<double> to) {
+  each_run(ranges, [&](int first, int count) { std::copy_n(from.data() + first, count, to.data() + first); });
 }
 
 void InteriorPoint::take_step() {

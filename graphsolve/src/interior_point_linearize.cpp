@@ -84,7 +84,7 @@ bool InteriorPoint::centre(const Factorization& matrix) {
   bool last = true;
   for (const int c : running_) {
     double size = 1, move = 0;
-    each_run(c, [&](int first, int count) {
+    each_run(rows_of(c), [&](int first, int count) {
       for (int i = first; i < first + count; ++i) {
         size = std::max(size, std::abs(x_[i]));
         keep_largest(move, std::abs(dx_[i]));

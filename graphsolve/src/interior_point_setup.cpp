@@ -65,6 +65,12 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   refining_.reserve(components);
 }
 
+/// Adds a range to those from `first` on, or to the last of them.
+void InteriorPoint::join(std::vector<RowRange>& ranges, std::size_t first, const RowRange& next) {
+  if (ranges.size() > first && ranges.back().end == next.begin) ranges.back().end = next.end;
+  else ranges.push_back(next);
+}
+
 void InteriorPoint::find_row_ranges() {
   const Symbolic& s = factorization_.symbolic();
   std::vector<RowRange> rows;
@@ -74,12 +80,11 @@ void InteriorPoint::find_row_ranges() {
     for (int k = s.component_begin(c); k < s.component_begin(c + 1); ++k)
       rows.push_back({s.row(k), s.row(k) + s.dimension(k)});
     std::sort(rows.begin(), rows.end(), [](const RowRange& a, const RowRange& b) { return a.begin < b.begin; });
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-      if (k > 0 && row_ranges_.back().end == rows[k].begin) row_ranges_.back().end = rows[k].end;
-      else row_ranges_.push_back(rows[k]);
-    }
+    const std::size_t first = row_ranges_.size();
+    for (const RowRange& next : rows) join(row_ranges_, first, next);
   }
   row_range_begin_.push_back(static_cast<int>(row_ranges_.size()));
+  running_rows_.reserve(row_ranges_.size());
 }
 
 void InteriorPoint::make_lists(Lists& lists, std::span<const int> component_of_instance) {
@@ -115,6 +120,9 @@ void InteriorPoint::set_running() {
     for (const int c : running_)
       for (int k = lists.begin[c]; k < lists.begin[c + 1]; ++k) lists.running.push_back(lists.all[k]);
   };
+  running_rows_.clear();
+  for (const int c : running_)
+    for (const RowRange& rows : rows_of(c)) join(running_rows_, 0, rows);
   for (auto& lists : term_lists_) fill(lists);
   for (auto& lists : port_lists_) fill(lists);
 }
@@ -166,7 +174,7 @@ void InteriorPoint::start_warm() {
   };
   // Ports may read what terms compute from x. A solve that may end where it starts needs no matrix.
   evaluate_terms(most_expect_to_end() ? With::residual_alone : With::matrix, residual_);
-  for (const int c : running_) copy_rows(c, residual_, rhs_);
+  copy_rows(running_rows_, residual_, rhs_);
   for (const int c : running_) mu_[c] = mu_floor_[c];
   start();
   evaluate_ports();
@@ -184,7 +192,7 @@ void InteriorPoint::start_warm() {
   }
   if (!again) return;
   start();  // x is where it was: so is what the terms made of it
-  for (const int c : running_) copy_rows(c, rhs_, residual_);
+  copy_rows(running_rows_, rhs_, residual_);
   evaluate_ports();
 }
 
@@ -257,7 +265,7 @@ void InteriorPoint::next_attempt(int c) {
     for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->restore(of_component(port_lists_[b], c));
     return;
   }
-  copy_rows(c, start_, x_);
+  copy_rows(rows_of(c), start_, x_);
   alpha_[c] = 1;
   attempt_iterations_[c] = short_steps_[c] = halvings_[c] = freezes_[c] = 0;
   phase_[c] = Phase::full;

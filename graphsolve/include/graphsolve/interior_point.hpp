@@ -100,9 +100,17 @@ class InteriorPoint {
             lists.component, 0};
   }
   [[nodiscard]] static Instances running(const Lists& lists) { return {lists.running, lists.component, lists.version}; }
+  struct RowRange {
+    int begin, end;
+  };
+  [[nodiscard]] std::span<const RowRange> rows_of(int component) const {
+    return std::span(row_ranges_).subspan(row_range_begin_[component],
+                                          row_range_begin_[component + 1] - row_range_begin_[component]);
+  }
+  static void join(std::vector<RowRange>& ranges, std::size_t first, const RowRange& next);
   template <class F>
-  void each_run(int component, F&& f) const;
-  void copy_rows(int component, std::span<const double> from, std::span<double> to) const;
+  static void each_run(std::span<const RowRange> ranges, F&& f);
+  static void copy_rows(std::span<const RowRange> ranges, std::span<const double> from, std::span<double> to);
   void move_by(int component, double factor);
 
   void begin(std::span<const double> x, double force_factor, std::span<const double> noise);
@@ -137,12 +145,10 @@ class InteriorPoint {
   Factorization factorization_;
   std::vector<Lists> term_lists_, port_lists_;
   std::vector<int> selected_, running_, keep_running_, refining_;
-  struct RowRange {
-    int begin, end;
-  };
   const simd::VectorKernels* kernels_;
-  std::vector<RowRange> row_ranges_;   ///< rows of each component, neighbours joined
-  std::vector<int> row_range_begin_;   ///< by component, into row_ranges_
+  std::vector<RowRange> row_ranges_;    ///< rows of each component, neighbours joined
+  std::vector<int> row_range_begin_;    ///< by component, into row_ranges_
+  std::vector<RowRange> running_rows_;  ///< of all running components, neighbours joined
   std::vector<double> x_, dx_, rhs_, residual_, row_scale_;
   std::span<const double> start_;  ///< the caller's x, which keeps the start until the end of a solve
   // By component.
@@ -168,11 +174,10 @@ class InteriorPoint {
   Profile* profile_ = nullptr;
 };
 
-/// f(first, count) for its rows, as few runs as they make.
+/// f(first, count)
 template <class F>
-void InteriorPoint::each_run(int component, F&& f) const {
-  for (int r = row_range_begin_[component]; r < row_range_begin_[component + 1]; ++r)
-    f(row_ranges_[r].begin, row_ranges_[r].end - row_ranges_[r].begin);
+void InteriorPoint::each_run(std::span<const RowRange> ranges, F&& f) {
+  for (const RowRange& r : ranges) f(r.begin, r.end - r.begin);
 }
 
 }  // namespace graphsolve
