@@ -26,7 +26,7 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
   reference_.assign(s.rows(), 0.0);
   panel_reference_.assign(s.rows(), 0.0);
   rank_.assign(s.pivots(), 0);
-  uncertain_.reserve(std::ranges::count_if(std::views::iota(0, s.pivots()), [&](int k) { return s.may_depend(k); }));
+  referenced_.reserve(std::ranges::count_if(std::views::iota(0, s.pivots()), [&](int k) { return starts_with_reference(k); }));
   first_row_.assign(s.pivots(), 0);
   equal_.assign(s.pivots(), 0);
   group_.assign(s.pivots(), 1);
@@ -34,10 +34,8 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
   int largest = 0, spread = 0, next_group = 0, uncertain_rows = 0;
   for (int k = 0, row = 0; k < s.pivots(); ++k) {
     first_row_[k] = row;
-    if (s.may_depend(k)) {
-      uncertain_.push_back(k);
-      uncertain_rows += s.dimension(k);
-    }
+    if (starts_with_reference(k)) referenced_.push_back(k);
+    if (s.may_depend(k)) uncertain_rows += s.dimension(k);
     equal_[k] = static_cast<char>(equal_couplings(s, k));
     // Pivots of packs always, so that sums are the same in bits however many copies lie side by side.
     scattered_[k] = s.program().place(k) >= 0 ||
@@ -242,8 +240,9 @@ bool Factorization::factorize_pivot(int k, const PivotBlocks& blocks, Outcome& o
 bool Factorization::factorize_one(int k, const PivotBlocks& blocks, Outcome& outcome) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   if (p.saddle && saddle_shift_ != 0 && kind_ != FactorizationKind::cholesky) shift_pivot(k, blocks.diagonal);
+  if (symmetric() && !starts_with_reference(k)) start_reference(k);
   if (tracks_reference(k))
-    for (int i = 0; i < p.dimension; ++i) reference_[first_row_[k] + i] = std::abs(reference_[first_row_[k] + i]);
+    for (int i = p.row; i < p.row + p.dimension; ++i) reference_[i] = std::abs(reference_[i]);
   rank_[k] = p.dimension;
   const bool regular = symmetric() ? factorize_pivot_symmetric(k, blocks, outcome) : factorize_pivot_any(k, blocks, outcome);
   if (!regular) outcome.first_bad_pivot = k;
@@ -256,7 +255,7 @@ bool Factorization::factorize_pivot_any(int k, const PivotBlocks& blocks, Outcom
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const int d = p.dimension, row = first_row_[k];
   double* diagonal = blocks.diagonal;
-  const double* reference = reference_.data() + row;
+  const double* reference = reference_.data() + p.row;
   const bool look_for_dependence = p.may_depend && saddle_shift_ == 0;  // a shifted block is regular
   if (look_for_dependence) std::copy_n(diagonal, d * d, work_.data());
   const double smallest = kernels_->factor(d)(diagonal, row_exchange_.data() + row, d);

@@ -29,13 +29,19 @@ bool Factorization::couples_later(int k, const PivotBlocks& blocks) {
         for (int i = q + 1; i < d; ++i) x[i] -= a[q * d + i] * x[q];
       const double own = later.saddle ? std::abs(values_[later.diagonal + c * (later.dimension + 1) * later.stride]) : 0;
       for (int i = rank_[k]; i < d; ++i) {
-        const int original = row + original_row(k, i);
+        const int original = p.row + original_row(k, i);
         const double made_of = std::max(panel_reference_[original], std::sqrt(reference_[original] * own));
         if (std::abs(x[i]) > 1e-8 * largest && std::abs(x[i]) > 1e-11 * made_of) return true;
       }
     }
   }
   return false;
+}
+
+/// Was this pivot made in a pack?
+bool Factorization::is_packed(int k) const {
+  const int place = symbolic_->program().place(k);
+  return place >= 0 && (packed_[place / simd::lanes] >> place % simd::lanes & 1u) != 0;
 }
 
 void Factorization::dependency(const DroppedRow& dropped, std::span<double> y) const {
@@ -63,7 +69,10 @@ void Factorization::dependency(const DroppedRow& dropped, std::span<double> y) c
       kernels::subtract_transposed_times_vector(yj, lower, y.data() + pi.row, pi.dimension, pj.dimension);
       lower += pi.dimension * pj.dimension;
     }
-    if (rank_[j] == pj.dimension)
+    if (symmetric() && is_packed(j))  // Form::ldlt; y_j was zero
+      for (int q = pj.dimension - 1; q >= 0; --q)
+        for (int i = q + 1; i < pj.dimension; ++i) yj[q] -= diagonal[q * pj.dimension + i] * yj[i];
+    else if (rank_[j] == pj.dimension)
       kernels::solve_block_transposed(diagonal, row_exchange_.data() + first_row_[j], yj, pj.dimension);
     else
       solve_rank_deficient_transposed(diagonal, pj.dimension, rank_[j],

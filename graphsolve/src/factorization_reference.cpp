@@ -12,9 +12,16 @@ bool Factorization::tracks_reference(int k) const {
   return p.saddle && kind_ != FactorizationKind::cholesky && (p.may_depend || (saddle_shift_ != 0 && symmetric()));
 }
 
+/// Must the reference of this block be noted before the elimination begins? Else it is zero, or what stands on the diagonal
+/// when its turn comes, since nobody changes it.
+bool Factorization::starts_with_reference(int k) const {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  return tracks_reference(k) || (symmetric() && !p.leaf && (!p.saddle || kind_ == FactorizationKind::cholesky));
+}
+
 void Factorization::start_reference(int k) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
-  double* reference = reference_.data() + first_row_[k];
+  double* reference = reference_.data() + p.row;
   const double* diagonal = values_.data() + p.diagonal;
   const int d = p.dimension, next = p.stride * (d + 1);
   if (tracks_reference(k)) {
@@ -31,7 +38,7 @@ void Factorization::start_panel_reference(int k) {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
   const int d = p.dimension;
-  double* reference = panel_reference_.data() + first_row_[k];
+  double* reference = panel_reference_.data() + p.row;
   std::fill_n(reference, d, 0.0);
   if (symmetric()) {  // the blocks right of it need not have been filled
     for (int e = p.begin; e < p.end; ++e) {
@@ -53,17 +60,18 @@ void Factorization::start_panel_reference(int k) {
 
 void Factorization::prepare() {
   if (keep_matrix_) keep();
-  if (symmetric()) return each_active_pivot([&](int k) { start_reference(k); });
-  for (const int c : active_) {  // of the others nobody asks
-    const auto begin = std::ranges::lower_bound(uncertain_, symbolic_->component_begin(c));
+  // With a shift all saddle blocks of a symmetric matrix have one.
+  if (symmetric() && saddle_shift_ != 0) return each_active_pivot([&](int k) { start_reference(k); });
+  for (const int c : active_) {
+    const auto begin = std::ranges::lower_bound(referenced_, symbolic_->component_begin(c));
     const int end = symbolic_->component_begin(c + 1);
-    for (auto k = begin; k != uncertain_.end() && *k < end; ++k) start_reference(*k);
+    for (auto k = begin; k != referenced_.end() && *k < end; ++k) start_reference(*k);
   }
 }
 
 void Factorization::shift_pivot(int k, double* diagonal) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
-  const double* reference = reference_.data() + first_row_[k];
+  const double* reference = reference_.data() + p.row;
   const bool tracked = tracks_reference(k);
   for (int i = 0; i < p.dimension; ++i) {
     double& entry = diagonal[i * (p.dimension + 1)];

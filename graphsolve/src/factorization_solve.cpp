@@ -9,7 +9,7 @@
 #include "rank_revealing.hpp"
 #include "simd/pivot_kernels.hpp"
 
-/// Solving with the factors, which have the same form for all kinds.
+/// Solving with the factors. Of single pivots they have the same form for all kinds, of packs simd::Form.
 namespace graphsolve {
 
 namespace {
@@ -60,7 +60,7 @@ void Factorization::solve_pack(int number, unsigned active, double* x, int colum
     for (int c = 0; c < columns; ++c)
       f(simd::PackSolve{.shape = program.shape(pack), .pack = pack, .rows = program.rows(pack),
                         .factor = values_.data() + pack.place, .x = x + static_cast<std::ptrdiff_t>(c) * symbolic_->rows(),
-                        .active = lanes});
+                        .active = lanes, .form = symmetric() ? simd::Form::ldlt : simd::Form::ldu});
   };
   if ((packed_[number] & active) == active) return together(active);
   unsigned run = 0;
@@ -77,7 +77,8 @@ void Factorization::solve_active(double* x, int columns) const {
   const auto forward = [&](int k) { solve_forward(k, x, columns); };
   const auto backward = [&](int k) { solve_backward(k, x, columns); };
   walk(false, [&](int pack, unsigned lanes) { solve_pack(pack, lanes, x, columns, simd::solve_forward, forward); }, forward);
-  walk(true, [&](int pack, unsigned lanes) { solve_pack(pack, lanes, x, columns, simd::solve_backward, backward); }, backward);
+  const auto backward_pack = symmetric() ? simd::solve_backward_transposed : simd::solve_backward;
+  walk(true, [&](int pack, unsigned lanes) { solve_pack(pack, lanes, x, columns, backward_pack, backward); }, backward);
 }
 
 /// x_k := D^-1 x_k, then the coupled rows lose L x_k.
@@ -120,7 +121,7 @@ void Factorization::solve_backward(int k, double* x, int columns) const {
   }
 }
 
-/// The symmetric kinds solve with A itself: W^T in place of L would serve too, at more rounding.
+/// The symmetric kinds solve with A itself.
 void Factorization::solve_transposed(std::span<double> x, int columns) const {
   if (symmetric()) return solve(x, columns);
   check_size(x, columns);

@@ -56,7 +56,6 @@ void Factorization::factorize_active(std::span<Outcome> outcomes, Count count) {
   const simd::PackNumbers numbers{.values = values_.data(),
                                   .scratch = scratch_.data(),
                                   .reference = reference_.data(),
-                                  .first_row = first_row_.data(),
                                   .saddle_shift = kind_ == FactorizationKind::cholesky ? 0.0 : saddle_shift_};
   if (!in_packs()) {  // in the order of the pivots, as refactorize() goes
     for (const int c : active_)
@@ -74,12 +73,11 @@ void Factorization::eliminate_together(int number, unsigned active, std::span<Ou
                                        const simd::PackNumbers& numbers) {
   const Symbolic& s = *symbolic_;
   const simd::PivotPack& pack = s.program().pack(number);
-  const simd::Shape& shape = s.program().shape(pack);
   const auto watch = kind_ == FactorizationKind::cholesky ? simd::Watch::no : simd::Watch::yes;
   const auto together = [&](unsigned lanes) {
     const unsigned before = packed_[number];
     const simd::PackJob job{s, s.program(), pack, numbers, lanes};
-    const unsigned other = symmetric() ? simd::eliminate_symmetric(job, definite(shape.saddle, shape.may_depend), watch)
+    const unsigned other = symmetric() ? simd::eliminate_symmetric(job, definite(pack.pivot[0]), watch)
                                        : simd::eliminate(job);
     if (other != 0) return other;
     packed_[number] = static_cast<std::uint8_t>(before | lanes);
@@ -132,8 +130,7 @@ void Factorization::count_pack(const simd::PivotPack& pack, unsigned active, std
   const Symbolic& s = *symbolic_;
   const simd::Shape& shape = s.program().shape(pack);
   const std::int64_t d = shape.dimension, m = shape.coupled_rows;
-  const std::int64_t operations = symmetric() ? ldlt_operations(d) + d * m * d + d * m * (m + 1) / 2
-                                              : lu_operations(d) + d * m * (d + m);
+  const std::int64_t operations = symmetric() ? ldlt_pack_operations(d, m) : lu_operations(d) + d * m * (d + m);
   const auto add = [&](Outcome& outcome, int pivots) {
     outcome.operations += operations * pivots;
     outcome.pivots += pivots;

@@ -76,9 +76,16 @@ void Factorization::mirror_matrix(int k) {
 }
 
 /// What the pivots of a block must be to do without exchanges.
-simd::Definite Factorization::definite(bool saddle, bool may_depend) const {
-  if (kind_ == FactorizationKind::cholesky) return {.sign = 1, .smallest = not_positive};
-  return {.sign = saddle ? -1.0 : 1.0, .smallest = may_depend && saddle_shift_ == 0 ? dependent : tiny};
+simd::Definite Factorization::definite(int k) const {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  const bool cholesky = kind_ == FactorizationKind::cholesky;
+  const auto compared = starts_with_reference(k)   ? simd::Compared::with_reference
+                        : p.saddle && !cholesky    ? simd::Compared::with_nothing
+                                                   : simd::Compared::with_own;
+  if (cholesky) return {.sign = 1, .smallest = not_positive, .compared = compared};
+  return {.sign = p.saddle ? -1.0 : 1.0,
+          .smallest = p.may_depend && saddle_shift_ == 0 ? dependent : tiny,
+          .compared = compared};
 }
 
 bool Factorization::factorize_pivot_symmetric(int k, const PivotBlocks& blocks, Outcome& outcome) {
@@ -86,11 +93,11 @@ bool Factorization::factorize_pivot_symmetric(int k, const PivotBlocks& blocks, 
   const int d = p.dimension, row = first_row_[k];
   double* diagonal = blocks.diagonal;
   const bool cholesky = kind_ == FactorizationKind::cholesky;
-  const auto [sign, smallest] = definite(p.saddle, p.may_depend);
+  const auto [sign, smallest, compared] = definite(k);
   transpose_panel(k, blocks);
   if (d > kernels::max_fixed) std::copy_n(diagonal, d * d, work_.data());
   outcome.operations += ldlt_operations(d);
-  if (kernels_->factor_definite(d)(diagonal, reference_.data() + row, sign, smallest, d)) {
+  if (kernels_->factor_definite(d)(diagonal, reference_.data() + p.row, sign, smallest, d)) {
     for (int i = 0; i < d; ++i) row_exchange_[row + i] = i;
     (sign < 0 ? outcome.inertia.negative : outcome.inertia.positive) += d;
     return true;
@@ -107,7 +114,7 @@ bool Factorization::factorize_pivot_indefinite(int k, const PivotBlocks& blocks,
   for (int j = 0; j < d; ++j)
     for (int i = j + 1; i < d; ++i) diagonal[i * d + j] = diagonal[j * d + i];
   for (int i = 0; i < d; ++i) {
-    size[i] = reference_[row + i];
+    size[i] = reference_[p.row + i];
     for (int j = 0; j < d; ++j) {
       if (!std::isfinite(diagonal[j * d + i])) return false;
       size[i] = std::max(size[i], std::abs(diagonal[j * d + i]));
@@ -145,7 +152,7 @@ bool Factorization::boost(int k, const PivotBlocks& blocks, double* block) {
   const double* upper = blocks.upper;
   for (int m = rank_[k]; m < d; ++m) {
     const int i = original_row(k, m);
-    double own = reference_[first_row_[k] + i];
+    double own = reference_[p.row + i];
     for (int j = 0; j < d; ++j) own = std::max(own, std::abs(block[j * d + i]));
     if (!(own > 0))
       for (int c = 0; c < p.coupled_rows; ++c) own = std::max(own, std::abs(upper[c * d + i]));

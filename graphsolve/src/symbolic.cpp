@@ -37,6 +37,7 @@ Symbolic::Symbolic(const BlockGraph& graph, const Ordering& ordering, Packs pack
                   .parent = -1,
                   .saddle = graph.kind(node) == NodeKind::saddle,
                   .may_depend = graph.kind(node) == NodeKind::saddle,
+                  .leaf = true,
                   .begin = 0, .end = 0, .coupled_rows = 0, .stride = 1,
                   .diagonal = 0, .lower = 0, .upper = 0, .targets = -1, .target_stride = 0};
   }
@@ -51,7 +52,8 @@ Symbolic::Symbolic(const BlockGraph& graph, const Ordering& ordering, Packs pack
     const Pivot& p = pivots_[step.pack < 0 ? step.pivot : program_->pack(step.pack).pivot[0]];
     const std::int64_t d = p.dimension, m = p.coupled_rows;
     counts_.pack_operations += lu_operations(d) + d * m * (d + m);
-    counts_.symmetric_pack_operations += ldlt_operations(d) + d * m * d + d * m * (m + 1) / 2;
+    counts_.symmetric_pack_operations +=
+        step.pack < 0 ? ldlt_operations(d) + d * m * d + d * m * (m + 1) / 2 : ldlt_pack_operations(d, m);
   }
   count_memory();
 }
@@ -161,6 +163,7 @@ void Symbolic::find_structure(const BlockGraph& graph) {
     if (column.empty()) continue;
     const int parent = column.front();
     pivots_[k].parent = parent;
+    pivots_[parent].leaf = false;
     next_sibling[k] = first_child[parent];
     first_child[parent] = k;
     height[parent] = std::max(height[parent], height[k] + 1);
@@ -204,7 +207,9 @@ void Symbolic::lay_out(simd::Program& program) {
     counts_.matrix_scalars += d * d;
     counts_.stored_scalars += p.scalars();
     counts_.operations += lu_operations(d) + r * d * d + d * r * r;
-    counts_.symmetric_operations += ldlt_operations(d) + r * d * d + d * r * (r + 1) / 2;
+    counts_.symmetric_operations += program.place(static_cast<int>(&p - pivots_.data())) >= 0
+                                        ? ldlt_pack_operations(d, r)
+                                        : ldlt_operations(d) + r * d * d + d * r * (r + 1) / 2;
     counts_.solve_operations += d * d + 2 * d * r;
     counts_.largest_front = std::max(counts_.largest_front, p.dimension + p.coupled_rows);
   }

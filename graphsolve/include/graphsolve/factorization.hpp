@@ -24,8 +24,8 @@ struct PackNumbers;
 /// What is known of the matrix, and so how it is factored. All kinds share one Symbolic and one layout.
 ///
 /// The symmetric kinds read the lower triangle in elimination order: the lower triangle of each diagonal block and
-/// the blocks (later, earlier). Writers may fill both triangles; the other panel becomes W = D^-1 P^T. About half the
-/// operations of ldu (Symbolic::Counts::symmetric_operations).
+/// the blocks (later, earlier). Writers may fill both triangles; packs leave the other one as it is, pivots that go by
+/// themselves put W = D^-1 P^T there. Half the operations of ldu or less (Symbolic::Counts::symmetric_operations).
 enum class FactorizationKind {
   ldu,       ///< structurally symmetric, any values; saddle systems as [H -J^T; J C]
   ldlt,      ///< symmetric, indefinite allowed; saddle systems as [H J^T; J -C]
@@ -154,6 +154,7 @@ class Factorization {
  private:
   [[nodiscard]] bool symmetric() const { return kind_ != FactorizationKind::ldu; }
   [[nodiscard]] bool tracks_reference(int k) const;
+  [[nodiscard]] bool starts_with_reference(int k) const;
   enum class Count { each, together };  ///< by component, or all in the first outcome
   // Which components take part.
   void set_active(std::span<const int> components) const;
@@ -188,7 +189,7 @@ class Factorization {
   bool factorize_pivot(int k, const PivotBlocks& blocks, Outcome& outcome);
   bool factorize_one(int k, const PivotBlocks& blocks, Outcome& outcome);
   bool factorize_pivot_any(int k, const PivotBlocks& blocks, Outcome& outcome);
-  [[nodiscard]] simd::Definite definite(bool saddle, bool may_depend) const;
+  [[nodiscard]] simd::Definite definite(int k) const;
   bool factorize_pivot_symmetric(int k, const PivotBlocks& blocks, Outcome& outcome);
   bool factorize_pivot_indefinite(int k, const PivotBlocks& blocks, Outcome& outcome);
   bool boost(int k, const PivotBlocks& blocks, double* block);
@@ -207,6 +208,7 @@ class Factorization {
   std::int64_t update_row_scattered(int k, int i, int from, const double* lower, const double* upper);
   // Along the program.
   [[nodiscard]] bool in_packs() const;
+  [[nodiscard]] bool is_packed(int pivot) const;
   void factorize_active(std::span<Outcome> outcomes, Count count);
   void eliminate_together(int number, unsigned active, std::span<Outcome> outcomes, Count count,
                           const simd::PackNumbers& numbers);
@@ -246,8 +248,8 @@ class Factorization {
   std::vector<int> column_exchange_;  ///< same for columns; used only where rows were dropped
   std::vector<int> rank_;             ///< per pivot
   std::vector<int> first_row_;        ///< per pivot: first row in pivot order
-  std::vector<int> uncertain_;        ///< pivots that may depend, ascending
-  std::vector<double> reference_;     ///< per row in pivot order: largest amount, signed, added to a saddle diagonal;
+  std::vector<int> referenced_;       ///< pivots that start_with_reference, ascending
+  std::vector<double> reference_;     ///< per row of the user: largest amount, signed, added to a saddle diagonal;
                                       ///< in the symmetric kinds |diagonal of the matrix| for other nodes
   std::vector<double> panel_reference_;  ///< where dependence is looked for: largest entry of the row right of the block
   std::vector<double> work_;          ///< two of the largest block and 3 of its rows; solving needs none of it

@@ -89,6 +89,7 @@ class Symbolic {
     int parent;
     bool saddle;
     bool may_depend;
+    bool leaf;              ///< of the elimination tree: no other pivot changes its blocks
     int begin, end;         ///< range in the coupled list
     int coupled_rows;       ///< sum of the coupled dimensions
     int stride;             ///< from a scalar of its blocks to the next

@@ -8,7 +8,7 @@ namespace graphsolve::simd {
 
 namespace {
 
-/// Level by level from the roots, because the lanes of a level follow those of the one above.
+/// Filled level by level from the roots, because the lanes of a level follow those of the one above.
 class Bundler {
  public:
   Bundler(const Symbolic& symbolic, int begin, int end, std::span<const int> shape)
@@ -25,13 +25,21 @@ class Bundler {
 
   std::vector<Bundle> run() {
     std::vector<std::vector<Bundle>> of_level(by_level_.size());
+    std::vector<int> place(level_.size(), -1);  // of a bundle by number, which count from the roots on
     for (std::size_t i = by_level_.size(); i-- > 0;) {
       fill_level(by_level_[i]);
       of_level[i].swap(level_bundles_);
     }
+    std::vector<Bundle> all;
+    all.reserve(placed_);
+    for (const auto& some : of_level)
+      for (const Bundle& bundle : some) {
+        place[place_[bundle.pivot[std::countr_zero(bundle.used)]].bundle] = static_cast<int>(all.size());
+        all.push_back(bundle);
+      }
     std::vector<Bundle> result;
-    result.reserve(placed_);
-    for (const auto& some : of_level) result.insert(result.end(), some.begin(), some.end());
+    result.reserve(all.size());
+    for (const int i : subtree_after_subtree(all, place)) result.push_back(all[i]);
     return result;
   }
 
@@ -120,6 +128,63 @@ class Bundler {
       add(bundle);
     }
     rest_.clear();
+  }
+
+  /// The order of `all`, which is level by level: what comes below a bundle is eliminated right before it, so that what it
+  /// changes is still in the cache. Subtrees that are small stay level by level, because neighbours on a level do not
+  /// wait for each other. place: in `all`, by number.
+  std::vector<int> subtree_after_subtree(std::span<const Bundle> all, std::span<const int> place) const {
+    constexpr std::int64_t small = 8192;  // doubles: a fraction of any L2 cache
+    const auto below = bundles_below(all, place);
+    struct Visit {
+      int bundle;
+      std::size_t next, begin;
+      std::int64_t size;
+    };
+    struct Range {
+      std::size_t begin, end;
+    };
+    std::vector<Visit> path;
+    std::vector<Range> ranges;  // largest small subtrees
+    std::vector<int> order;
+    std::vector<char> seen(all.size(), 0);
+    const auto visit = [&](int i) {
+      seen[i] = 1;
+      path.push_back({i, 0, order.size(), s_.pivot(begin_ + all[i].pivot[0]).scalars() * all[i].lanes});
+    };
+    visit(static_cast<int>(all.size()) - 1);  // the root
+    while (!path.empty()) {
+      Visit& top = path.back();
+      const auto& children = below[top.bundle];
+      while (top.next < children.size() && seen[children[top.next]]) ++top.next;
+      if (top.next < children.size()) {
+        visit(children[top.next]);
+        continue;
+      }
+      order.push_back(top.bundle);
+      if (top.size <= small) {
+        while (!ranges.empty() && ranges.back().begin >= top.begin) ranges.pop_back();
+        ranges.push_back({top.begin, order.size()});
+      }
+      const std::int64_t size = top.size;
+      path.pop_back();
+      if (!path.empty()) path.back().size += size;
+    }
+    for (const Range& r : ranges) std::sort(order.begin() + r.begin, order.begin() + r.end);
+    return order;
+  }
+
+  /// Of each of `all` those with children of its pivots, ascending.
+  std::vector<std::vector<int>> bundles_below(std::span<const Bundle> all, std::span<const int> place) const {
+    std::vector<std::vector<int>> below(all.size());
+    for (int i = 0; i < static_cast<int>(all.size()); ++i)
+      for (int l = 0; l < lanes; ++l) {
+        const int p = parent(all[i].pivot[l]);
+        if (!(all[i].used >> l & 1u) || p < 0) continue;
+        auto& some = below[place[place_[p].bundle]];
+        if (some.empty() || some.back() != i) some.push_back(i);
+      }
+    return below;
   }
 
   void put(Bundle& bundle, int number, int lane, int pivot) {

@@ -17,8 +17,8 @@ struct Bundle {
   std::array<int, simd::lanes> pivot;  ///< from the first of the component on
 };
 
-/// The elimination of the pivots begin .. end - 1, a component, from the leaves of its tree: bundles of pivots that do
-/// not depend on each other. shape: by pivot.
+/// The elimination of the pivots begin .. end - 1, a component, in the order in which it goes and lies in memory: bundles
+/// of pivots that do not depend on each other, subtree after subtree. shape: by pivot.
 ///
 /// All that a pivot changes are its ancestors. Pivots therefore take the lanes of their parents where that fills a
 /// bundle well enough: then subtrees of one form lie lane by lane side by side, and what eight pivots change are eight

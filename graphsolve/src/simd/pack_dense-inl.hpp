@@ -32,6 +32,24 @@ HWY_INLINE void load_diagonal(const double* from, PackOf<L>* to, int d_) {
   for (int i = 0; i < d * d; ++i) to[i] = load<L>(from + i * L);
 }
 
+/// The lower triangle only.
+template <int D, int L>
+HWY_INLINE void load_lower(const double* from, PackOf<L>* to, int d_) {
+  const int d = D ? D : d_;
+#pragma GCC unroll 6
+  for (int c = 0; c < d; ++c)
+#pragma GCC unroll 6
+    for (int r = c; r < d; ++r) to[c * d + r] = load<L>(from + (c * d + r) * L);
+}
+template <int D, int L>
+HWY_INLINE void store_lower(const PackOf<L>* from, double* to, int d_) {
+  const int d = D ? D : d_;
+#pragma GCC unroll 6
+  for (int c = 0; c < d; ++c)
+#pragma GCC unroll 6
+    for (int r = c; r < d; ++r) store(from[c * d + r], to + (c * d + r) * L);
+}
+
 /// LU in place, column-major, reciprocals of the pivots on the diagonal. Lanes that should have been pivoted.
 template <int D, int L>
 HWY_INLINE unsigned factor(PackOf<L>* a, int d_) {
@@ -89,15 +107,21 @@ HWY_INLINE unsigned factor_definite(PackOf<L>* a, const PackOf<L>* reference, co
   return ~bits(sound);
 }
 
-/// X (d x C) := (LU)^-1 X.
+/// X (d x C) := L^-1 X.
 template <int D, int C, int L>
-HWY_INLINE void solve_columns(const PackOf<L>* a, PackOf<L>* t, int d_) {
+HWY_INLINE void solve_lower(const PackOf<L>* a, PackOf<L>* t, int d_) {
   const int d = D ? D : d_;
 #pragma GCC unroll 6
   for (int p = 0; p < d; ++p)
 #pragma GCC unroll 6
     for (int i = p + 1; i < d; ++i)
       for (int c = 0; c < C; ++c) t[c * d + i] = negative_multiply_add(a[p * d + i], t[c * d + p], t[c * d + i]);
+}
+
+/// X (d x C) := U^-1 X.
+template <int D, int C, int L>
+HWY_INLINE void solve_upper(const PackOf<L>* a, PackOf<L>* t, int d_) {
+  const int d = D ? D : d_;
 #pragma GCC unroll 6
   for (int p = d - 1; p >= 0; --p) {
     for (int c = 0; c < C; ++c) t[c * d + p] *= a[p * d + p];
@@ -107,14 +131,27 @@ HWY_INLINE void solve_columns(const PackOf<L>* a, PackOf<L>* t, int d_) {
   }
 }
 
-/// X (d) := (LU)^-T X.
+/// X (d x C) := (LU)^-1 X.
+template <int D, int C, int L>
+HWY_INLINE void solve_columns(const PackOf<L>* a, PackOf<L>* t, int d) {
+  solve_lower<D, C>(a, t, d);
+  solve_upper<D, C>(a, t, d);
+}
+
+/// X (d) := U^-T X.
 template <int D, int L>
-HWY_INLINE void solve_transposed(const PackOf<L>* a, PackOf<L>* x, int d_) {
+HWY_INLINE void solve_upper_transposed(const PackOf<L>* a, PackOf<L>* x, int d_) {
   const int d = D ? D : d_;
   for (int p = 0; p < d; ++p) {
     for (int i = 0; i < p; ++i) x[p] = negative_multiply_add(a[p * d + i], x[i], x[p]);
     x[p] *= a[p * d + p];
   }
+}
+
+/// X (d) := L^-T X.
+template <int D, int L>
+HWY_INLINE void solve_lower_transposed(const PackOf<L>* a, PackOf<L>* x, int d_) {
+  const int d = D ? D : d_;
   for (int p = d - 1; p >= 0; --p)
     for (int i = p + 1; i < d; ++i) x[p] = negative_multiply_add(a[p * d + i], x[i], x[p]);
 }
@@ -137,6 +174,31 @@ HWY_INLINE void solve_all(const PackOf<L>* lu, double* w, int d, int columns) {
   int column = 0;
   for (; column + some <= columns; column += some) solve_in_place<D, some>(lu, w + column * d * L, d);
   for (; column < columns; ++column) solve_in_place<D, 1>(lu, w + column * d * L, d);
+}
+
+/// C rows of a panel P (`rows` rows in memory): W := L^-1 P^T, P := W^T D^-1.
+template <int D, int C, int L>
+HWY_INLINE void halve_rows(const PackOf<L>* ldl, double* panel, double* w, int rows, int d_) {
+  const int d = D ? D : d_;
+  PackOf<L> t[(D ? D : largest_dimension) * C];
+#pragma GCC unroll 6
+  for (int p = 0; p < d; ++p)
+    for (int c = 0; c < C; ++c) t[c * d + p] = load<L>(panel + (p * rows + c) * L);
+  solve_lower<D, C>(ldl, t, d);
+#pragma GCC unroll 6
+  for (int p = 0; p < d; ++p)
+    for (int c = 0; c < C; ++c) {
+      store(t[c * d + p], w + (c * d + p) * L);
+      store(t[c * d + p] * ldl[p * d + p], panel + (p * rows + c) * L);
+    }
+}
+
+template <int D, int L>
+HWY_INLINE void halve_panel(const PackOf<L>* ldl, double* panel, double* w, int rows, int d) {
+  constexpr int some = columns_at_once<L>;
+  int r = 0;
+  for (; r + some <= rows; r += some) halve_rows<D, some>(ldl, panel + r * L, w + r * d * L, rows, d);
+  for (; r < rows; ++r) halve_rows<D, 1>(ldl, panel + r * L, w + r * d * L, rows, d);
 }
 
 /// f(i, scalar i of L (rows x d) W (d x C)), column-major, from row `first` of each column on.

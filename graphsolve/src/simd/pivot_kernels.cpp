@@ -48,21 +48,33 @@ class Workplace {
 template <int L>
 HWY_INLINE void load_references(const PackJob& job, int d, PackOf<L>* reference) {
   const double* from[L];
-  for (int l = 0; l < L; ++l) from[l] = job.numbers.reference + job.numbers.first_row[job.pack.pivot[l]];
+  const int* row = job.program.rows(job.pack);
+  for (int l = 0; l < L; ++l) from[l] = job.numbers.reference + row[l];
   load_transposed(from, d, reference, job.pack.used);
 }
 
-/// Coupling i loses this on its diagonal: remembers the largest amount per row, lane after lane.
+/// Coupling i loses this on its diagonal: remembers the largest amount per row; where pivots share couplings, lane after
+/// lane.
 template <int L>
 void remember(const PackJob& job, int i, const PackOf<L>* diagonal, int rows) {
-  for (int q = 0; q < rows; ++q) {
-    HWY_ALIGN double lost[L];
-    store(diagonal[q], lost);
-    for (int l = 0; l < L; ++l) {
-      if (!(job.active >> l & 1u)) continue;
-      const int later = job.symbolic.coupled(job.pack.pivot[l])[i];
-      double& reference = job.numbers.reference[job.numbers.first_row[later] + q];
-      if (std::abs(lost[l]) > std::abs(reference)) reference = -lost[l];
+  double* place[L];
+  const int* row = job.program.rows(job.pack) + (i + 1) * L;
+  for (int l = 0; l < L; ++l) place[l] = job.numbers.reference + row[l];
+  if (!job.pack.shares || L == 1) {
+    PackOf<L> largest[largest_dimension];
+    load_transposed(place, rows, largest, job.pack.used);
+    for (int q = 0; q < rows; ++q)
+      largest[q] = select(abs(diagonal[q]) > abs(largest[q]), -diagonal[q], largest[q]);
+    store_transposed(largest, rows, place, job.active);
+    return;
+  }
+  HWY_ALIGN double lost[L * largest_dimension];
+  for (int q = 0; q < rows; ++q) store(diagonal[q], lost + q * L);
+  for (int l = 0; l < L; ++l) {
+    if (!(job.active >> l & 1u)) continue;
+    for (int q = 0; q < rows; ++q) {
+      const double added = -lost[q * L + l];
+      place[l][q] = std::abs(added) > std::abs(place[l][q]) ? added : place[l][q];  // no branch: unpredictable
     }
   }
 }
@@ -206,38 +218,38 @@ unsigned eliminate_pack(const PackJob& job) {
   return 0;
 }
 
-/// W := L^T, block after block.
+/// What the pivots of a symmetric block are compared with. own: lower triangle of the block.
 template <int D, int L>
-HWY_INLINE void transpose_panel(const Shape& shape, const double* lower, double* w, int d_) {
+HWY_INLINE void compared_with(const PackJob& job, Compared compared, const PackOf<L>* own, PackOf<L>* reference, int d_) {
   const int d = D ? D : d_;
-  for (int i = 0; i < shape.couplings(); ++i) {
-    const int rows = shape.coupled[i];
-    for (int r = 0; r < rows; ++r)
-#pragma GCC unroll 6
-      for (int q = 0; q < d; ++q) store(load<L>(lower + (q * rows + r) * L), w + (r * d + q) * L);
-    lower += rows * d * L;
-    w += rows * d * L;
+  if (compared == Compared::with_own) {
+    for (int i = 0; i < d; ++i) reference[i] = abs(own[i * (d + 1)]);
+    return;
   }
+  if (compared == Compared::with_nothing) {
+    for (int i = 0; i < d; ++i) reference[i] = PackOf<L>(0.0);
+    return;
+  }
+  load_references(job, d, reference);
+  for (int i = 0; i < d; ++i) reference[i] = abs(reference[i]);
 }
 
 template <int D, int L>
 unsigned eliminate_pack_symmetric(const PackJob& job, const Definite& definite, Watch watch) {
   const Shape& shape = job.program.shape(job.pack);
   const int d = D ? D : shape.dimension, m = shape.couplings(), coupled_rows = shape.coupled_rows;
-  const Workplace<L> place(job, shape.size());
-  PackOf<L> lu[D ? D * D : largest_dimension * largest_dimension], reference[D ? D : largest_dimension];
-  load_diagonal<D>(place.blocks(), lu, d);
-  load_references(job, d, reference);
-  for (int i = 0; i < d; ++i) reference[i] = abs(reference[i]);
-  const unsigned other = factor_definite<D>(lu, reference, definite, d) & job.active;
+  const Workplace<L> place(job, d * (d + coupled_rows));  // the upper triangle is nobody's
+  PackOf<L> ldl[D ? D * D : largest_dimension * largest_dimension], reference[D ? D : largest_dimension];
+  load_lower<D>(place.blocks(), ldl, d);
+  compared_with<D>(job, definite.compared, ldl, reference, d);
+  const unsigned other = factor_definite<D>(ldl, reference, definite, d) & job.active;
   if (other != 0) return other;
-  store_diagonal<D>(lu, place.blocks(), d);
-  const double* lower = place.blocks() + d * d * L;
-  double* upper = place.blocks() + d * (d + coupled_rows) * L;
-  transpose_panel<D, L>(shape, lower, upper, d);
-  solve_all<D>(lu, upper, d, coupled_rows);
+  store_lower<D>(ldl, place.blocks(), d);
+  double* lower = place.blocks() + d * d * L;
+  double* all_w = job.numbers.scratch + d * (d + coupled_rows) * L;  // beyond a copy of the blocks
   for (int i = 0, row = 0; i < m; row += shape.coupled[i++]) {
-    const double* w = upper;
+    const double* w = all_w;
+    halve_panel<D>(ldl, lower, all_w + row * d * L, shape.coupled[i], d);
     for (int j = 0, column = 0; j < i; column += shape.coupled[j++]) {
       update_block<D, L, false>(job, {i, j, row, column}, lower, w, d, false);
       w += shape.coupled[j] * d * L;

@@ -4,17 +4,21 @@
 
 namespace graphsolve::simd {
 
+/// What the pivots of a block are compared with: with amounts in PackNumbers::reference, with the diagonal as it is where
+/// no other pivot changes it, or with nothing.
+enum class Compared { with_reference, with_own, with_nothing };
+
 /// When a pivot of a symmetric block is as good as its node promises: sign * pivot > smallest * its reference.
 struct Definite {
   double sign, smallest;
+  Compared compared = Compared::with_reference;
 };
 
 /// Numbers that eliminations read and write.
 struct PackNumbers {
   double* values;        ///< of the matrix, and then of the factor
   double* scratch;       ///< Program::scratch_size()
-  double* reference;     ///< per row in pivot order: amounts that pivots are compared with (Factorization)
-  const int* first_row;  ///< per pivot: its first row in pivot order
+  double* reference;  ///< per row: amounts that pivots are compared with (Factorization)
   double saddle_shift;
 };
 
@@ -27,6 +31,10 @@ struct PackJob {
   unsigned active;  ///< lanes to be done
 };
 
+/// What an elimination left: of an LDU D = L U in place, the panel below as it was and W = D^-1 U; of an LDL^T the lower
+/// triangle of L with the reciprocals of D, and P (L D L^T)^-1 L = P L^-T D^-1 in place of the panel P below.
+enum class Form { ldu, ldlt };
+
 /// What a pack's part of a solve works on.
 struct PackSolve {
   const Shape& shape;
@@ -35,6 +43,7 @@ struct PackSolve {
   const double* factor;
   double* x;
   unsigned active;
+  Form form;
 };
 
 /// What a pack's part of a residual works on.
@@ -54,19 +63,18 @@ inline constexpr double dependent = 1e-11;
 /// D = L U without exchanges and W = D^-1 U, in place; then the blocks between the couplings lose L W. Returns the lanes
 /// whose block needs exchanges, or whose rows may depend: if there are any, nothing was written.
 unsigned eliminate(const PackJob& job);
-/// The same for a symmetric matrix of which the lower triangle is given, D = L D L^T; of blocks on the diagonal only
-/// that triangle is updated. Returns the lanes whose block is not definite: if there are any, nothing was written.
+/// The same for a symmetric matrix of which the lower triangle is given, in Form::ldlt; nothing else is read or written. Returns the lanes whose block is not definite: if there are any, nothing was written.
 /// `watch`: remember what is added to diagonals of blocks that may depend.
 enum class Watch { no, yes };
 unsigned eliminate_symmetric(const PackJob& job, const Definite& definite, Watch watch);
 
-/// x_k := D^-1 x_k, then the coupled rows lose L x_k.
+/// x_k := D^-1 x_k, or L^-1 x_k in Form::ldlt, then the coupled rows lose what lies below times x_k.
 void solve_forward(const PackSolve& job);
-/// x_k -= W x_coupled.
+/// x_k -= W x_coupled. Form::ldu.
 void solve_backward(const PackSolve& job);
-/// Of the transposed matrix: the coupled rows lose W^T x_k.
+/// Of the transposed matrix: the coupled rows lose W^T x_k. Form::ldu.
 void solve_forward_transposed(const PackSolve& job);
-/// x_k := D^-T (x_k - L^T x_coupled).
+/// x_k := D^-T (x_k - L^T x_coupled); in Form::ldlt, where it is the second half of a solve, L^-T (D^-1 x_k - P^T x_coupled).
 void solve_backward_transposed(const PackSolve& job);
 /// residual -= A x and magnitude += |A| |x| for the blocks of the pack.
 void subtract_product(const PackResidual& job);

@@ -52,10 +52,15 @@ void forward(const PackSolve& job) {
   const int d = D ? D : shape.dimension;
   PackOf<L> lu[D ? D * D : largest_dimension * largest_dimension], x[D ? D : largest_dimension], t[largest_front];
   double* place[L];
-  load_diagonal<D>(job.factor, lu, d);
   point_at<L>(job, 0, place);
   load_transposed(place, d, x, job.pack.used);
-  solve_columns<D, 1>(lu, x, d);
+  if (job.form == Form::ldlt) {
+    load_lower<D>(job.factor, lu, d);
+    solve_lower<D, 1>(lu, x, d);
+  } else {
+    load_diagonal<D>(job.factor, lu, d);
+    solve_columns<D, 1>(lu, x, d);
+  }
   store_transposed(x, d, place, job.active);
   const double* lower = job.factor + d * d * L;
   PackOf<L>* sum = t;
@@ -113,9 +118,15 @@ void backward_transposed(const PackSolve& job) {
   const int d = D ? D : shape.dimension;
   PackOf<L> lu[D ? D * D : largest_dimension * largest_dimension], x[D ? D : largest_dimension], coupled[largest_front];
   double* place[L];
-  load_diagonal<D>(job.factor, lu, d);
+  const bool ldlt = job.form == Form::ldlt;
   point_at<L>(job, 0, place);
   load_transposed(place, d, x, job.pack.used);
+  if (ldlt) {
+    load_lower<D>(job.factor, lu, d);
+    for (int p = 0; p < d; ++p) x[p] *= lu[p * (d + 1)];
+  } else {
+    load_diagonal<D>(job.factor, lu, d);
+  }
   const double* lower = job.factor + d * d * L;
   for (int i = 0; i < shape.couplings(); ++i) {
     const int rows = shape.coupled[i];
@@ -126,7 +137,8 @@ void backward_transposed(const PackSolve& job) {
       for (int p = 0; p < d; ++p) x[p] = negative_multiply_add(load<L>(lower + (p * rows + r) * L), coupled[r], x[p]);
     lower += rows * d * L;
   }
-  solve_transposed<D>(lu, x, d);
+  if (!ldlt) solve_upper_transposed<D>(lu, x, d);
+  solve_lower_transposed<D>(lu, x, d);
   point_at<L>(job, 0, place);
   store_transposed(x, d, place, job.active);
 }
