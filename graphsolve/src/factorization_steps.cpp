@@ -15,21 +15,17 @@ void Factorization::set_active(std::span<const int> components) const {
   active_.assign(components.begin(), components.end());
   std::fill(lanes_.begin(), lanes_.end(), std::uint8_t{0});
   for (const int c : components) {
-    const int g = program.group_of(c);
-    const auto& group = program.groups()[g];
-    for (int i = 0; i < group.copies; ++i)
-      if (group.component[i] == c) lanes_[g] = static_cast<std::uint8_t>(lanes_[g] | 1u << i);
+    std::uint8_t& lanes = lanes_[program.group_of(c)];
+    lanes = static_cast<std::uint8_t>(lanes | program.copy_bit(c));
   }
 }
 
 void Factorization::set_all_active() const { set_active(everything_); }
 
 bool Factorization::takes_part(int pivot) const {
-  const int c = symbolic_->component(symbolic_->node(pivot)), g = symbolic_->program().group_of(c);
-  const auto& group = symbolic_->program().groups()[g];
-  for (int i = 0; i < group.copies; ++i)
-    if (group.component[i] == c) return (lanes_[g] >> i & 1u) != 0;
-  return false;
+  const simd::Program& program = symbolic_->program();
+  const int c = symbolic_->component(symbolic_->node(pivot));
+  return (lanes_[program.group_of(c)] & program.copy_bit(c)) != 0;
 }
 
 /// What refactorize() applies again it applies pivot by pivot. The shift of a symmetric matrix is measured at every
@@ -40,12 +36,12 @@ bool Factorization::in_packs() const {
 
 void Factorization::alone_if_active(int k, std::span<Outcome> outcomes) {
   if (!takes_part(k)) return;
-  const int c = symbolic_->component(symbolic_->node(k)), g = symbolic_->program().group_of(c);
+  const simd::Program& program = symbolic_->program();
+  const int c = symbolic_->component(symbolic_->node(k));
   eliminate_alone(k, outcomes[c]);
   if (outcomes[c].ok()) return;
-  const auto& group = symbolic_->program().groups()[g];
-  for (int i = 0; i < group.copies; ++i)
-    if (group.component[i] == c) lanes_[g] = static_cast<std::uint8_t>(lanes_[g] & ~(1u << i));
+  std::uint8_t& lanes = lanes_[program.group_of(c)];
+  lanes = static_cast<std::uint8_t>(lanes & ~program.copy_bit(c));
 }
 
 /// Outcomes by component, or what packs do all in the first. A component that has failed takes no further part.

@@ -36,7 +36,7 @@ struct Program::Class {
   std::vector<Bundle> bundles;
 };
 
-Program::Program(const Symbolic& s, Packs packs) : group_of_(s.components(), -1), place_(s.pivots(), -1) {
+Program::Program(const Symbolic& s, Packs packs) : group_of_(s.components(), -1), copy_of_(s.components(), 0), place_(s.pivots(), -1) {
   if (packs == Packs::off) {
     go_one_by_one(s);
     return;
@@ -132,6 +132,7 @@ void Program::add_copies(const Symbolic& s, const Class& equal, std::span<const 
   for (int c = 0; c < copies; ++c) {
     group.component[c] = components[c];
     group_of_[components[c]] = static_cast<int>(groups_.size());
+    copy_of_[components[c]] = static_cast<std::uint8_t>(c);
   }
   for (const Bundle& bundle : equal.bundles)
     for (int l = 0; l < bundle.lanes; ++l) {
@@ -204,7 +205,7 @@ std::int64_t Program::memory() const {
   std::int64_t couplings = 0;
   for (const Shape& shape : shapes_) couplings += shape.couplings();
   return static_cast<std::int64_t>(sizeof(Program) + steps_.size() * sizeof(Step) + groups_.size() * sizeof(Group) +
-                                   group_of_.size() * sizeof(int) + packs_.size() * sizeof(PivotPack) +
+                                   group_of_.size() * (sizeof(int) + 1) + packs_.size() * sizeof(PivotPack) +
                                    shapes_.size() * sizeof(Shape) + (place_.size() + rows_.size()) * sizeof(int) +
                                    (targets_.size() + scattered_.size()) * sizeof(Target)) +
          couplings * static_cast<std::int64_t>(sizeof(int) + sizeof(char));

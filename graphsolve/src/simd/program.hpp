@@ -70,6 +70,8 @@ class Program {
   };
   [[nodiscard]] std::span<const Group> groups() const { return groups_; }
   [[nodiscard]] int group_of(int component) const { return group_of_[component]; }
+  /// Which of the copies in its group a component is, as a bit.
+  [[nodiscard]] unsigned copy_bit(int component) const { return 1u << copy_of_[component]; }
   [[nodiscard]] std::span<const Step> steps() const { return steps_; }
   [[nodiscard]] std::span<const Step> steps(const Group& g) const {
     return std::span(steps_).subspan(g.first_step, g.end_step - g.first_step);
@@ -107,7 +109,8 @@ class Program {
 
   std::vector<Step> steps_;
   std::vector<Group> groups_;
-  std::vector<int> group_of_;  ///< by component
+  std::vector<int> group_of_;          ///< by component
+  std::vector<std::uint8_t> copy_of_;  ///< by component
   std::vector<PivotPack> packs_;
   std::vector<Shape> shapes_;
   std::vector<int> shape_of_;  ///< by pivot; only while the plan is made
