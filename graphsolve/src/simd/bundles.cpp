@@ -34,7 +34,7 @@ class Bundler {
     all.reserve(placed_);
     for (const auto& some : of_level)
       for (const Bundle& bundle : some) {
-        place[place_[bundle.pivot[std::countr_zero(bundle.used)]].bundle] = static_cast<int>(all.size());
+        place[place_[bundle.first_pivot()].bundle] = static_cast<int>(all.size());
         all.push_back(bundle);
       }
     std::vector<Bundle> result;
@@ -193,7 +193,7 @@ class Bundler {
     place_[pivot] = {number, lane, bundle.lanes};
   }
   static void repeat_in_empty_lanes(Bundle& bundle) {
-    const int first = bundle.pivot[std::countr_zero(bundle.used)];
+    const int first = bundle.first_pivot();
     for (int l = 0; l < lanes; ++l)
       if (!(bundle.used >> l & 1u)) bundle.pivot[l] = first;
   }

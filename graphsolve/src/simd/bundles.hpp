@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,8 @@ struct Bundle {
   int lanes;                           ///< 1, 2, 4 or 8
   unsigned used;                       ///< bit per lane that has a pivot
   std::array<int, simd::lanes> pivot;  ///< from the first of the component on
+  /// In the first lane that is used; one always is.
+  [[nodiscard]] int first_pivot() const { return pivot[std::countr_zero(used) % simd::lanes]; }
 };
 
 /// The elimination of the pivots begin .. end - 1, a component, in the order in which it goes and lies in memory: bundles

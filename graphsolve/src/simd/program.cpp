@@ -108,7 +108,7 @@ std::vector<Program::Class> Program::classes(const Symbolic& s) const {
 void Program::add_one(const Symbolic& s, const Class& equal, int component) {
   const int first = static_cast<int>(steps_.size()), begin = s.component_begin(component);
   for (const Bundle& bundle : equal.bundles) {
-    const int k = begin + bundle.pivot[std::countr_zero(bundle.used)], shape = shape_of_[k];
+    const int k = begin + bundle.first_pivot(), shape = shape_of_[k];
     const bool lone = bundle.lanes == 1 && s.dimension(k) > largest_lone;
     if (shape < 0 || lone) {
       for (int l = 0; l < bundle.lanes; ++l)
