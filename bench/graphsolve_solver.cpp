@@ -81,6 +81,28 @@ void GraphsolveSolver::write(std::span<const double> values) {
 
 baselines::Status GraphsolveSolver::refactor() {
   outcome_ = factorization_->factorize();
+  return status();
+}
+
+baselines::Status GraphsolveSolver::refactor_and_solve(std::span<const double> b, std::span<double> x) {
+  const bool as_given = way_.nodes == Nodes::as_given;
+  const std::span<double> here = as_given ? x : std::span<double>(x_);
+  if (as_given) std::copy(b.begin(), b.end(), x.begin());
+  else into_merged(b);
+  outcome_ = factorization_->factorize_and_solve(here);
+  if (!as_given) out_of_merged(x);
+  return status();
+}
+
+void GraphsolveSolver::into_merged(std::span<const double> b) {
+  for (std::size_t i = 0; i < b.size(); ++i) x_[merged_.row_of[i]] = b[i];
+}
+
+void GraphsolveSolver::out_of_merged(std::span<double> x) const {
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = x_[merged_.row_of[i]];
+}
+
+baselines::Status GraphsolveSolver::status() const {
   if (outcome_.ok()) return {};
   const BlockGraph& graph = way_.nodes == Nodes::merged ? merged_.graph : graph_;
   return {false, "singular at " + std::string(graph.name(symbolic().node(outcome_.first_bad_pivot)))};
@@ -92,9 +114,9 @@ baselines::Status GraphsolveSolver::solve(std::span<const double> b, std::span<d
     factorization_->solve(x);
     return {};
   }
-  for (std::size_t i = 0; i < b.size(); ++i) x_[merged_.row_of[i]] = b[i];
+  into_merged(b);
   factorization_->solve(x_);
-  for (std::size_t i = 0; i < b.size(); ++i) x[i] = x_[merged_.row_of[i]];
+  out_of_merged(x);
   return {};
 }
 

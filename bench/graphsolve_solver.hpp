@@ -44,6 +44,9 @@ class GraphsolveSolver final : public baselines::Baseline {
   [[nodiscard]] baselines::Status refactor() override;
   [[nodiscard]] baselines::Status solve(std::span<const double> b, std::span<double> x) override;
 
+  [[nodiscard]] bool has_one_pass() const override { return true; }
+  [[nodiscard]] baselines::Status refactor_and_solve(std::span<const double> b, std::span<double> x) override;
+
   /// Keeps the matrix from the next `refactor` on, so that `refine` may be called.
   void allow_refinement();
   graphsolve::Factorization::Refinement refine(std::span<const double> b, std::span<double> x);
@@ -55,6 +58,10 @@ class GraphsolveSolver final : public baselines::Baseline {
  private:
   const graphsolve::BlockGraph& graph_;
   Way way_;
+  [[nodiscard]] baselines::Status status() const;
+  void into_merged(std::span<const double> b);
+  void out_of_merged(std::span<double> x) const;
+
   graphsolve::Supernodes merged_;  ///< empty when nodes are as given
   std::unique_ptr<graphsolve::Factorization> factorization_;
   const Eigen::SparseMatrix<double>* pattern_ = nullptr;

@@ -39,6 +39,13 @@ class Baseline {
   /// x := A^-1 b. Not ok also when x has entries that are no numbers.
   [[nodiscard]] virtual Status solve(std::span<const double> b, std::span<double> x) = 0;
 
+  /// refactor and solve in one pass, for those that can; the others are timed by the sum of the two.
+  [[nodiscard]] virtual bool has_one_pass() const { return false; }
+  [[nodiscard]] virtual Status refactor_and_solve(std::span<const double> b, std::span<double> x) {
+    const Status status = refactor();
+    return status.ok ? solve(b, x) : status;
+  }
+
   [[nodiscard]] Status refactor(std::span<const double> values) {
     write(values);
     return refactor();

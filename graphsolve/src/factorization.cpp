@@ -22,10 +22,8 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
   const Symbolic& s = *symbolic_;
   values_.assign(s.values_size(), 0.0);
   row_exchange_.assign(s.rows(), 0);
-  column_exchange_.assign(s.rows(), 0);
   reference_.assign(s.rows(), 0.0);
-  panel_reference_.assign(s.rows(), 0.0);
-  rank_.assign(s.pivots(), 0);
+  rank_.resize(s.pivots());
   referenced_.reserve(std::ranges::count_if(std::views::iota(0, s.pivots()), [&](int k) { return starts_with_reference(k); }));
   first_row_.assign(s.pivots(), 0);
   equal_.assign(s.pivots(), 0);
@@ -34,6 +32,7 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
   int largest = 0, spread = 0, next_group = 0, uncertain_rows = 0;
   for (int k = 0, row = 0; k < s.pivots(); ++k) {
     first_row_[k] = row;
+    rank_[k] = s.dimension(k);
     if (starts_with_reference(k)) referenced_.push_back(k);
     if (s.may_depend(k)) uncertain_rows += s.dimension(k);
     equal_[k] = static_cast<char>(equal_couplings(s, k));
@@ -49,6 +48,8 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
     largest = std::max(largest, s.dimension(k));
   }
   dropped_.reserve(uncertain_rows);
+  if (uncertain_rows > 0) panel_reference_.assign(s.rows(), 0.0);
+  if (uncertain_rows > 0 || symmetric()) column_exchange_.assign(s.rows(), 0);
   work_.assign(2 * largest * largest + 3 * largest, 0.0);
   spread_.assign(spread, 0.0);
   outcomes_.resize(s.components());
@@ -63,6 +64,7 @@ void Factorization::make_room_for_packs() {
   const simd::Program& program = s.program();
   lanes_.assign(program.groups().size(), 0);
   packed_.assign(program.packs(), 0);
+  if (s.packs() == Packs::on) lane_rows_.assign(program.lane_rows(), 0.0);
   if (program.packs() == 0) return;
   (void)simd::instruction_set();  // chosen before the first kernel runs
   scratch_.assign(program.scratch_size(), 0.0);
@@ -100,10 +102,18 @@ void Factorization::allow_refinement() {
 }
 
 Factorization::Outcome Factorization::factorize() {
+  start_all();
+  factorize_active(outcomes_, Count::together);
+  return finish_all();
+}
+
+void Factorization::start_all() {
   dropped_.clear();
   set_all_active();
   std::fill(outcomes_.begin(), outcomes_.end(), Outcome{});
-  factorize_active(outcomes_, Count::together);
+}
+
+Factorization::Outcome Factorization::finish_all() {
   Outcome outcome;
   for (const Outcome& part : outcomes_) {
     outcome.dropped_rows += part.dropped_rows;
@@ -127,12 +137,16 @@ Factorization::Outcome Factorization::factorize(int component) {
 }
 
 void Factorization::factorize(std::span<const int> components, std::span<Outcome> outcomes) {
+  start(components, outcomes);
+  factorize_active(outcomes, Count::each);
+}
+
+void Factorization::start(std::span<const int> components, std::span<Outcome> outcomes) {
   const Symbolic& s = *symbolic_;
   set_active(components);
   if (!dropped_.empty())
     std::erase_if(dropped_, [&](const DroppedRow& d) { return std::ranges::find(components, s.component(d.node)) != components.end(); });
   for (const int c : components) outcomes[c] = {};
-  factorize_active(outcomes, Count::each);
   complete_ = false;
 }
 

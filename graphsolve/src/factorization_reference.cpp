@@ -26,7 +26,7 @@ void Factorization::start_reference(int k) {
   const int d = p.dimension, next = p.stride * (d + 1);
   if (tracks_reference(k)) {
     for (int i = 0; i < d; ++i) reference[i] = diagonal[i * next];
-    start_panel_reference(k);
+    if (p.may_depend) start_panel_reference(k);
   } else if (symmetric() && (!p.saddle || kind_ == FactorizationKind::cholesky))
     for (int i = 0; i < d; ++i) reference[i] = std::abs(diagonal[i * next]);
   else

@@ -9,12 +9,34 @@
 #include "rank_revealing.hpp"
 #include "simd/pivot_kernels.hpp"
 
-/// Solving with the factors. Of single pivots they have the same form for all kinds, of packs simd::Form.
+/// Solving with the factors. Of single pivots they have the same form for all kinds, of packs simd::Form. Where there are
+/// packs, the vector lies interleaved as they do (Program::row_place) while it is solved for.
 namespace graphsolve {
 
 namespace {
 
 constexpr int columns_at_once = 8;  ///< more would push the blocks out of the cache between their uses
+
+/// Rows of one pivot side by side, while a pivot goes by itself: in place, or a copy of what lies interleaved.
+class Gathered {
+ public:
+  Gathered(double* x, simd::RowPlace at, int rows) : at_(at), rows_(rows), x_(x + at.first), here_(at.stride == 1 ? x_ : copy_) {
+    if (at.stride == 1) return;
+    for (int i = 0; i < rows; ++i) copy_[i] = x_[i * at.stride];
+  }
+  [[nodiscard]] double* rows() const { return here_; }
+  void write_back() const {
+    if (at_.stride == 1) return;
+    for (int i = 0; i < rows_; ++i) x_[i * at_.stride] = copy_[i];
+  }
+
+ private:
+  simd::RowPlace at_;
+  int rows_;
+  double* x_;
+  double copy_[simd::largest_dimension];
+  double* here_;
+};
 
 }  // namespace
 
@@ -38,9 +60,9 @@ void Factorization::solve_diagonal(int k, const double* diagonal, double* x, int
 void Factorization::solve(std::span<double> x, int columns) const {
   check_size(x, columns);
   set_all_active();
-  const int rows = symbolic_->rows();
-  for (int c = 0; c < columns; c += columns_at_once)
-    solve_active(x.data() + static_cast<std::ptrdiff_t>(c) * rows, std::min(columns_at_once, columns - c));
+  const int rows = symbolic_->rows(), some = symbolic_->packs() == Packs::on ? 1 : columns_at_once;
+  for (int c = 0; c < columns; c += some)
+    solve_active(x.data() + static_cast<std::ptrdiff_t>(c) * rows, std::min(some, columns - c));
 }
 
 void Factorization::solve_component(std::span<double> x, int component) const { solve_components(x, {&component, 1}); }
@@ -51,16 +73,95 @@ void Factorization::solve_components(std::span<double> x, std::span<const int> c
   solve_active(x.data(), 1);
 }
 
-/// f(job) for runs of lanes of a pack that were made together, column by column, alone(pivot) for those between them.
+/// x_k := D^-1 x_k, then the coupled rows lose L x_k. Columns only without packs, where they are `stride` apart.
+void Factorization::solve_forward(int k, double* x, int columns) const {
+  const Symbolic& s = *symbolic_;
+  const Symbolic::Pivot& p = s.pivot(k);
+  const std::ptrdiff_t stride = s.rows();
+  double buffer[simd::largest_factor];
+  const PivotFactor factor = factor_of(k, buffer);
+  const Gathered own(x, s.program().row_place(k), p.dimension);
+  const double* xk = own.rows();
+  solve_diagonal(k, factor.diagonal, own.rows(), columns, stride);
+  own.write_back();
+  const double* lower = factor.lower;
+  if (columns == 1 && equal_[k] > 0 && s.packs() == Packs::off) {
+    kernels_->forwards[equal_[k] - 1](x, &s.pivot(0), s.coupled(k), lower, xk, p.dimension);
+    return;
+  }
+  for (const int i : s.coupled(k)) {
+    const int rows = s.dimension(i);
+    const Gathered coupled(x, s.program().row_place(i), rows);
+    kernels_->product(rows)(coupled.rows(), stride, lower, xk, stride, rows, p.dimension, columns);
+    coupled.write_back();
+    lower += rows * p.dimension;
+  }
+}
+
+/// x_k loses D^-1 U times the coupled rows.
+void Factorization::solve_backward(int k, double* x, int columns) const {
+  const Symbolic& s = *symbolic_;
+  const Symbolic::Pivot& p = s.pivot(k);
+  const std::ptrdiff_t stride = s.rows();
+  double buffer[simd::largest_factor];
+  const double* upper = factor_of(k, buffer).upper;
+  const Gathered own(x, s.program().row_place(k), p.dimension);
+  if (columns == 1 && equal_[k] > 0 && s.packs() == Packs::off) {
+    kernels_->backwards[equal_[k] - 1](own.rows(), &s.pivot(0), s.coupled(k), upper, x, p.dimension);
+    return;
+  }
+  for (const int j : s.coupled(k)) {
+    const Gathered coupled(x, s.program().row_place(j), s.dimension(j));
+    kernels_->product(p.dimension)(own.rows(), stride, upper, coupled.rows(), stride, p.dimension, s.dimension(j), columns);
+    upper += p.dimension * s.dimension(j);
+  }
+  own.write_back();
+}
+
+/// The coupled rows lose W^T x_k.
+void Factorization::solve_forward_transposed(int k, double* x) const {
+  const Symbolic& s = *symbolic_;
+  const int d = s.dimension(k);
+  double buffer[simd::largest_factor];
+  const double* upper = factor_of(k, buffer).upper;
+  const Gathered own(x, s.program().row_place(k), d);
+  for (const int j : s.coupled(k)) {
+    const Gathered coupled(x, s.program().row_place(j), s.dimension(j));
+    kernels::subtract_transposed_times_vector(coupled.rows(), upper, own.rows(), d, s.dimension(j));
+    coupled.write_back();
+    upper += d * s.dimension(j);
+  }
+}
+
+/// x_k := D^-T (x_k - L^T times the coupled rows).
+void Factorization::solve_backward_transposed(int k, double* x) const {
+  const Symbolic& s = *symbolic_;
+  const int d = s.dimension(k), row = first_row_[k];
+  double buffer[simd::largest_factor];
+  const PivotFactor factor = factor_of(k, buffer);
+  const Gathered own(x, s.program().row_place(k), d);
+  const double* lower = factor.lower;
+  for (const int i : s.coupled(k)) {
+    const Gathered coupled(x, s.program().row_place(i), s.dimension(i));
+    kernels::subtract_transposed_times_vector(own.rows(), lower, coupled.rows(), s.dimension(i), d);
+    lower += s.dimension(i) * d;
+  }
+  if (rank_[k] == d)
+    kernels::solve_block_transposed(factor.diagonal, row_exchange_.data() + row, own.rows(), d);
+  else
+    solve_rank_deficient_transposed(factor.diagonal, d, rank_[k], row_exchange_.data() + row, column_exchange_.data() + row,
+                                    own.rows());
+  own.write_back();
+}
+
+/// f(job) for runs of lanes of a pack that were made together, alone(pivot) for those between them.
 template <class F, class Alone>
-void Factorization::solve_pack(int number, unsigned active, double* x, int columns, F&& f, Alone&& alone) const {
+void Factorization::solve_pack(int number, unsigned active, const Vectors& v, F&& f, Alone&& alone) const {
   const simd::Program& program = symbolic_->program();
   const simd::PivotPack& pack = program.pack(number);
   const auto together = [&](unsigned lanes) {
-    for (int c = 0; c < columns; ++c)
-      f(simd::PackSolve{.shape = program.shape(pack), .pack = pack, .rows = program.rows(pack),
-                        .factor = values_.data() + pack.place, .x = x + static_cast<std::ptrdiff_t>(c) * symbolic_->rows(),
-                        .active = lanes, .form = symmetric() ? simd::Form::ldlt : simd::Form::ldu});
+    f(simd::PackSolve{.program = program, .pack = pack, .factor = values_.data() + pack.place, .x = v.x, .result = v.result,
+                      .active = lanes, .form = symmetric() ? simd::Form::ldlt : simd::Form::ldu});
   };
   if ((packed_[number] & active) == active) return together(active);
   unsigned run = 0;
@@ -73,52 +174,66 @@ void Factorization::solve_pack(int number, unsigned active, double* x, int colum
   }
 }
 
+/// The user's vector goes into lanes; without packs it is one already.
+Factorization::Vectors Factorization::enter(double* x) const {
+  if (symbolic_->packs() == Packs::off) return {x, x};
+  const simd::Program& program = symbolic_->program();
+  double* lanes = lane_rows_.data();
+  const auto groups = program.groups();
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    if (lanes_[g] == 0) continue;
+    simd::to_lanes(program, program.steps(groups[g]), x, lanes);
+    for (const auto& step : program.steps(groups[g]))
+      if (step.pack < 0)
+        std::copy_n(x + symbolic_->row(step.pivot), symbolic_->dimension(step.pivot), lanes + program.row_place(step.pivot).first);
+  }
+  return {lanes, x};
+}
+
+/// The rows of a pivot that went by itself are final.
+void Factorization::leave(int k, const Vectors& v) const {
+  if (v.x == v.result) return;
+  const simd::RowPlace at = symbolic_->program().row_place(k);
+  const int row = symbolic_->row(k);
+  for (int i = 0; i < symbolic_->dimension(k); ++i) v.result[row + i] = v.x[at.first + i * at.stride];
+}
+
+void Factorization::forward_pack(int number, unsigned active, const Vectors& v) const {
+  solve_pack(number, active, v, simd::solve_forward, [&](int k) { solve_forward(k, v.x, 1); });
+}
+
+/// The second half of a solve.
+void Factorization::backward(const Vectors& v, int columns) const {
+  const auto together = symmetric() ? simd::solve_backward_transposed : simd::solve_backward;
+  const auto alone = [&](int k) {
+    solve_backward(k, v.x, columns);
+    leave(k, v);
+  };
+  walk(true, [&](int pack, unsigned active) { solve_pack(pack, active, v, together, alone); }, alone);
+}
+
+/// Several columns only without packs.
 void Factorization::solve_active(double* x, int columns) const {
-  const auto forward = [&](int k) { solve_forward(k, x, columns); };
-  const auto backward = [&](int k) { solve_backward(k, x, columns); };
-  walk(false, [&](int pack, unsigned lanes) { solve_pack(pack, lanes, x, columns, simd::solve_forward, forward); }, forward);
-  const auto backward_pack = symmetric() ? simd::solve_backward_transposed : simd::solve_backward;
-  walk(true, [&](int pack, unsigned lanes) { solve_pack(pack, lanes, x, columns, backward_pack, backward); }, backward);
+  const Vectors v = enter(x);
+  walk(false, [&](int pack, unsigned active) { forward_pack(pack, active, v); }, [&](int k) { solve_forward(k, v.x, columns); });
+  backward(v, columns);
 }
 
-/// x_k := D^-1 x_k, then the coupled rows lose L x_k.
-void Factorization::solve_forward(int k, double* x, int columns) const {
-  const Symbolic& s = *symbolic_;
-  const Symbolic::Pivot& p = s.pivot(k);
-  const std::ptrdiff_t stride = s.rows();
-  double buffer[simd::largest_factor];
-  const PivotFactor factor = factor_of(k, buffer);
-  double* xk = x + p.row;
-  solve_diagonal(k, factor.diagonal, xk, columns, stride);
-  const double* lower = factor.lower;
-  if (columns == 1 && equal_[k] > 0) {
-    kernels_->forwards[equal_[k] - 1](x, &s.pivot(0), s.coupled(k), lower, xk, p.dimension);
-    return;
-  }
-  for (int e = p.begin; e < p.end; ++e) {
-    const Symbolic::Pivot& pi = s.pivot(s.coupled_[e]);
-    kernels_->product(pi.dimension)(x + pi.row, stride, lower, xk, stride, pi.dimension, p.dimension, columns);
-    lower += pi.dimension * p.dimension;
-  }
+Factorization::Outcome Factorization::factorize_and_solve(std::span<double> x) {
+  check_size(x, 1);
+  start_all();
+  const Vectors v = enter(x.data());
+  factorize_active(outcomes_, Count::together, &v);
+  backward(v, 1);
+  return finish_all();
 }
 
-/// x_k loses D^-1 U times the coupled rows.
-void Factorization::solve_backward(int k, double* x, int columns) const {
-  const Symbolic& s = *symbolic_;
-  const Symbolic::Pivot& p = s.pivot(k);
-  const std::ptrdiff_t stride = s.rows();
-  double buffer[simd::largest_factor];
-  const double* upper = factor_of(k, buffer).upper;
-  if (columns == 1 && equal_[k] > 0) {
-    kernels_->backwards[equal_[k] - 1](x + p.row, &s.pivot(0), s.coupled(k), upper, x, p.dimension);
-    return;
-  }
-  for (int e = p.begin; e < p.end; ++e) {
-    const Symbolic::Pivot& pj = s.pivot(s.coupled_[e]);
-    kernels_->product(p.dimension)(x + p.row, stride, upper, x + pj.row, stride, p.dimension, pj.dimension,
-                                    columns);
-    upper += p.dimension * pj.dimension;
-  }
+void Factorization::factorize_and_solve(std::span<const int> components, std::span<Outcome> outcomes, std::span<double> x) {
+  check_size(x, 1);
+  start(components, outcomes);
+  const Vectors v = enter(x.data());
+  factorize_active(outcomes, Count::each, &v);
+  backward(v, 1);
 }
 
 /// The symmetric kinds solve with A itself.
@@ -126,49 +241,16 @@ void Factorization::solve_transposed(std::span<double> x, int columns) const {
   if (symmetric()) return solve(x, columns);
   check_size(x, columns);
   set_all_active();
-  const auto solve_column = [&](double* column) {
-    const auto forward = [&](int k) { solve_forward_transposed(k, column); };
-    const auto backward = [&](int k) { solve_backward_transposed(k, column); };
-    walk(false, [&](int pack, unsigned lanes) { solve_pack(pack, lanes, column, 1, simd::solve_forward_transposed, forward); },
-         forward);
-    walk(true, [&](int pack, unsigned lanes) { solve_pack(pack, lanes, column, 1, simd::solve_backward_transposed, backward); },
-         backward);
-  };
-  for (int c = 0; c < columns; ++c) solve_column(x.data() + static_cast<std::ptrdiff_t>(c) * symbolic_->rows());
-}
-
-/// The coupled rows lose W^T x_k.
-void Factorization::solve_forward_transposed(int k, double* x) const {
-  const Symbolic& s = *symbolic_;
-  const Symbolic::Pivot& p = s.pivot(k);
-  double buffer[simd::largest_factor];
-  const double* upper = factor_of(k, buffer).upper;
-  for (int e = p.begin; e < p.end; ++e) {
-    const Symbolic::Pivot& pj = s.pivot(s.coupled_[e]);
-    kernels::subtract_transposed_times_vector(x + pj.row, upper, x + p.row, p.dimension, pj.dimension);
-    upper += p.dimension * pj.dimension;
+  for (int c = 0; c < columns; ++c) {
+    const Vectors v = enter(x.data() + static_cast<std::ptrdiff_t>(c) * symbolic_->rows());
+    const auto forward = [&](int k) { solve_forward_transposed(k, v.x); };
+    const auto backward = [&](int k) {
+      solve_backward_transposed(k, v.x);
+      leave(k, v);
+    };
+    walk(false, [&](int pack, unsigned active) { solve_pack(pack, active, v, simd::solve_forward_transposed, forward); }, forward);
+    walk(true, [&](int pack, unsigned active) { solve_pack(pack, active, v, simd::solve_backward_transposed, backward); }, backward);
   }
-}
-
-/// x_k := D^-T (x_k - L^T times the coupled rows).
-void Factorization::solve_backward_transposed(int k, double* x) const {
-  const Symbolic& s = *symbolic_;
-  const Symbolic::Pivot& p = s.pivot(k);
-  double buffer[simd::largest_factor];
-  const PivotFactor factor = factor_of(k, buffer);
-  double* xk = x + p.row;
-  const double* lower = factor.lower;
-  for (int e = p.begin; e < p.end; ++e) {
-    const Symbolic::Pivot& pi = s.pivot(s.coupled_[e]);
-    kernels::subtract_transposed_times_vector(xk, lower, x + pi.row, pi.dimension, p.dimension);
-    lower += pi.dimension * p.dimension;
-  }
-  const int row = first_row_[k];
-  if (rank_[k] == p.dimension)
-    kernels::solve_block_transposed(factor.diagonal, row_exchange_.data() + row, xk, p.dimension);
-  else
-    solve_rank_deficient_transposed(factor.diagonal, p.dimension, rank_[k], row_exchange_.data() + row,
-                                    column_exchange_.data() + row, xk);
 }
 
 }  // namespace graphsolve

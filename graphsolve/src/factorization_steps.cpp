@@ -36,16 +36,21 @@ bool Factorization::in_packs() const {
 
 void Factorization::alone_if_active(int k, std::span<Outcome> outcomes) {
   if (!takes_part(k)) return;
-  const simd::Program& program = symbolic_->program();
   const int c = symbolic_->component(symbolic_->node(k));
   eliminate_alone(k, outcomes[c]);
-  if (outcomes[c].ok()) return;
-  std::uint8_t& lanes = lanes_[program.group_of(c)];
-  lanes = static_cast<std::uint8_t>(lanes & ~program.copy_bit(c));
+  if (!outcomes[c].ok()) leave_out(c);
 }
 
-/// Outcomes by component, or what packs do all in the first. A component that has failed takes no further part.
-void Factorization::factorize_active(std::span<Outcome> outcomes, Count count) {
+/// From here on, in this call.
+void Factorization::leave_out(int component) {
+  const simd::Program& program = symbolic_->program();
+  std::uint8_t& lanes = lanes_[program.group_of(component)];
+  lanes = static_cast<std::uint8_t>(lanes & ~program.copy_bit(component));
+}
+
+/// Outcomes by component, or what packs do all in the first. A component that has failed takes no further part. right: where
+/// given, goes through the forward half of its solve on the way.
+void Factorization::factorize_active(std::span<Outcome> outcomes, Count count, const Vectors* right) {
   const Symbolic& s = *symbolic_;
   prepare();
   if (keep_matrix_) count = Count::each;
@@ -53,14 +58,29 @@ void Factorization::factorize_active(std::span<Outcome> outcomes, Count count) {
                                   .scratch = scratch_.data(),
                                   .reference = reference_.data(),
                                   .saddle_shift = kind_ == FactorizationKind::cholesky ? 0.0 : saddle_shift_};
+  const auto forward = [&](int k) { solve_forward(k, right->x, 1); };
   if (!in_packs()) {  // in the order of the pivots, as refactorize() goes
-    for (const int c : active_)
-      for (int k = s.component_begin(c); k < s.component_begin(c + 1) && outcomes[c].ok(); k += group_[k])
+    for (const int c : active_) {
+      for (int k = s.component_begin(c), next = k; k < s.component_begin(c + 1) && outcomes[c].ok(); k = next) {
+        next = k + group_[k];
         group_[k] > 1 ? eliminate_group(k, group_[k], outcomes[c]) : eliminate_alone(k, outcomes[c]);
+        if (right != nullptr)
+          for (; k < next && outcomes[c].ok(); ++k) forward(k);
+      }
+      if (!outcomes[c].ok()) leave_out(c);
+    }
     return;
   }
-  walk(false, [&](int pack, unsigned lanes) { eliminate_together(pack, lanes, outcomes, count, numbers); },
-       [&](int k) { alone_if_active(k, outcomes); });
+  walk(
+      false,
+      [&](int pack, unsigned lanes) {
+        eliminate_together(pack, lanes, outcomes, count, numbers);
+        if (right != nullptr) forward_pack(pack, lanes, *right);
+      },
+      [&](int k) {
+        alone_if_active(k, outcomes);
+        if (right != nullptr && takes_part(k)) forward(k);
+      });
 }
 
 /// The lanes of a pack, or, where some have to go alone, runs of lanes between them: what several add to one block is

@@ -105,6 +105,12 @@ class Factorization {
   /// depend on which others are factored with it, nor on how many equal ones there are (blocks of up to 6 rows).
   void factorize(std::span<const int> components, std::span<Outcome> outcomes);
 
+  /// factorize() and solve(x) in one pass: each pivot goes through the first half of the solve while its factor is at
+  /// hand. The same numbers; where the outcome is not ok, those of x mean nothing.
+  [[nodiscard]] Outcome factorize_and_solve(std::span<double> x);
+  /// The rows of the other components are not touched.
+  void factorize_and_solve(std::span<const int> components, std::span<Outcome> outcomes, std::span<double> x);
+
   /// Makes room for refactorize(), and for the kept matrix; allocates now. Pivots go one by one from now on, which is
   /// faster in a Symbolic without packs.
   void allow_refactorization();
@@ -155,6 +161,10 @@ class Factorization {
   [[nodiscard]] bool symmetric() const { return kind_ != FactorizationKind::ldu; }
   [[nodiscard]] bool tracks_reference(int k) const;
   [[nodiscard]] bool starts_with_reference(int k) const;
+  /// Of one solve: the vector at work, in lanes where there are packs, and the user's, which gets the result.
+  struct Vectors {
+    double *x, *result;
+  };
   enum class Count { each, together };  ///< by component, or all in the first outcome
   // Which components take part.
   void set_active(std::span<const int> components) const;
@@ -209,7 +219,11 @@ class Factorization {
   // Along the program.
   [[nodiscard]] bool in_packs() const;
   [[nodiscard]] bool is_packed(int pivot) const;
-  void factorize_active(std::span<Outcome> outcomes, Count count);
+  void start(std::span<const int> components, std::span<Outcome> outcomes);
+  void start_all();
+  [[nodiscard]] Outcome finish_all();
+  void factorize_active(std::span<Outcome> outcomes, Count count, const Vectors* right = nullptr);
+  void leave_out(int component);
   void eliminate_together(int number, unsigned active, std::span<Outcome> outcomes, Count count,
                           const simd::PackNumbers& numbers);
   void measure_growth(const simd::PivotPack& pack, unsigned active, std::span<Outcome> outcomes) const;
@@ -221,8 +235,12 @@ class Factorization {
   // Solving.
   void solve_diagonal(int k, const double* diagonal, double* x, int columns, std::ptrdiff_t stride) const;
   void solve_active(double* x, int columns) const;
+  void forward_pack(int number, unsigned active, const Vectors& v) const;
+  void backward(const Vectors& v, int columns) const;
+  [[nodiscard]] Vectors enter(double* x) const;
+  void leave(int k, const Vectors& v) const;
   template <class F, class Alone>
-  void solve_pack(int number, unsigned active, double* x, int columns, F&& f, Alone&& alone) const;
+  void solve_pack(int number, unsigned active, const Vectors& v, F&& f, Alone&& alone) const;
   void solve_forward(int k, double* x, int columns) const;
   void solve_backward(int k, double* x, int columns) const;
   void solve_forward_transposed(int k, double* x) const;
@@ -245,13 +263,14 @@ class Factorization {
   const kernels::Table* kernels_;     ///< of the instruction set in use when this was made
   AlignedVector values_, matrix_;
   std::vector<int> row_exchange_;     ///< per row in pivot order: the row that took this place in its block
-  std::vector<int> column_exchange_;  ///< same for columns; used only where rows were dropped
+  std::vector<int> column_exchange_;  ///< same for columns, where the rank is not full; empty where it always is
   std::vector<int> rank_;             ///< per pivot
   std::vector<int> first_row_;        ///< per pivot: first row in pivot order
   std::vector<int> referenced_;       ///< pivots that start_with_reference, ascending
   std::vector<double> reference_;     ///< per row of the user: largest amount, signed, added to a saddle diagonal;
                                       ///< in the symmetric kinds |diagonal of the matrix| for other nodes
-  std::vector<double> panel_reference_;  ///< where dependence is looked for: largest entry of the row right of the block
+  std::vector<double> panel_reference_;  ///< where dependence is looked for, or empty: largest entry of the row right of the
+                                         ///< block
   std::vector<double> work_;          ///< two of the largest block and 3 of its rows; solving needs none of it
   std::vector<double> opened_, target_;  ///< blocks of one pivot, and one that it changes, where they lie interleaved
   std::vector<char> equal_;           ///< per pivot: equal_couplings
@@ -275,6 +294,7 @@ class Factorization {
   bool complete_ = false;
   std::vector<std::uint8_t> packed_;    ///< by pack: lanes whose factor was made together
   AlignedVector scratch_;               ///< of packs
+  mutable AlignedVector lane_rows_;     ///< the vector that is solved for, interleaved as the packs are
   struct Range {
     std::int64_t begin, end;
   };

@@ -15,9 +15,6 @@ HWY_BEFORE_NAMESPACE();
 namespace graphsolve::simd::HWY_NAMESPACE {
 namespace {
 
-template <int L>
-constexpr unsigned all_lanes = (1u << L) - 1;
-
 /// A pack's blocks where it may work on them: in place, or, where some of its lanes have to stay as they are, a copy that
 /// is written back lane by lane.
 template <int L>

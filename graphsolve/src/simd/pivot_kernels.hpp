@@ -37,20 +37,19 @@ enum class Form { ldu, ldlt };
 
 /// What a pack's part of a solve works on.
 struct PackSolve {
-  const Shape& shape;
+  const Program& program;
   const PivotPack& pack;
-  const int* rows;
   const double* factor;
-  double* x;
+  double* x;       ///< in lanes
+  double* result;  ///< the user's vector, which gets what is final; of the backward half only
   unsigned active;
   Form form;
 };
 
 /// What a pack's part of a residual works on.
 struct PackResidual {
-  const Shape& shape;
+  const Program& program;
   const PivotPack& pack;
-  const int* rows;
   const double* matrix;  ///< of this pack, as it was before it was factored
   const double* x;
   double *residual, *magnitude;
@@ -68,13 +67,16 @@ unsigned eliminate(const PackJob& job);
 enum class Watch { no, yes };
 unsigned eliminate_symmetric(const PackJob& job, const Definite& definite, Watch watch);
 
+/// The rows of the packs among these steps, from the user's vector to the one in lanes.
+void to_lanes(const Program& program, std::span<const Program::Step> steps, const double* x, double* lanes);
+
 /// x_k := D^-1 x_k, or L^-1 x_k in Form::ldlt, then the coupled rows lose what lies below times x_k.
 void solve_forward(const PackSolve& job);
-/// x_k -= W x_coupled. Form::ldu.
+/// x_k -= W x_coupled, which is final. Form::ldu.
 void solve_backward(const PackSolve& job);
 /// Of the transposed matrix: the coupled rows lose W^T x_k. Form::ldu.
 void solve_forward_transposed(const PackSolve& job);
-/// x_k := D^-T (x_k - L^T x_coupled); in Form::ldlt, where it is the second half of a solve, L^-T (D^-1 x_k - P^T x_coupled).
+/// x_k := D^-T (x_k - L^T x_coupled), which is final; in Form::ldlt, where it is the second half of a solve, L^-T (D^-1 x_k - P^T x_coupled).
 void solve_backward_transposed(const PackSolve& job);
 /// residual -= A x and magnitude += |A| |x| for the blocks of the pack.
 void subtract_product(const PackResidual& job);

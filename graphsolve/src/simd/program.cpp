@@ -62,7 +62,10 @@ Program::Program(const Symbolic& s, Packs packs) : group_of_(s.components(), -1)
 }
 
 void Program::go_one_by_one(const Symbolic& s) {
-  for (int k = 0; k < s.pivots(); ++k) steps_.push_back({-1, k});
+  for (int k = 0; k < s.pivots(); ++k) {
+    steps_.push_back({-1, k});
+    place_[k] = ~s.row(k);
+  }
   for (int c = 0; c < s.components(); ++c) {
     group_of_[c] = c;
     groups_.push_back({s.component_begin(c), s.component_begin(c + 1), 0, 0, 1, {c}});
@@ -116,7 +119,7 @@ void Program::add_one(const Symbolic& s, const Class& equal, int component) {
       continue;
     }
     PivotPack pack{.shape = shape, .lanes = bundle.lanes, .used = bundle.used, .pivot = bundle.pivot,
-                   .shares = false, .place = -1, .rows = 0, .targets = 0};
+                   .shares = false, .place = -1, .rows = 0, .targets = 0, .lane_rows = 0, .row_targets = 0};
     for (int& pivot : pack.pivot) pivot += begin;
     add_pack(s, pack);
   }
@@ -138,7 +141,7 @@ void Program::add_copies(const Symbolic& s, const Class& equal, std::span<const 
     for (int l = 0; l < bundle.lanes; ++l) {
       if (!(bundle.used >> l & 1u)) continue;
       PivotPack pack{.shape = shape_of_[s.component_begin(components[0]) + bundle.pivot[l]], .lanes = lanes_for(copies),
-                     .used = (1u << copies) - 1, .pivot = {}, .shares = false, .place = -1, .rows = 0, .targets = 0};
+                     .used = (1u << copies) - 1, .pivot = {}, .shares = false, .place = -1, .rows = 0, .targets = 0, .lane_rows = 0, .row_targets = 0};
       for (int c = 0; c < lanes; ++c)
         pack.pivot[c] = s.component_begin(components[c < copies ? c : 0]) + bundle.pivot[l];
       if (pack.shape >= 0) add_pack(s, pack);
@@ -164,7 +167,49 @@ void Program::add_pack(const Symbolic& s, PivotPack pack) {
   packs_.push_back(pack);
 }
 
+/// Where all lanes lie side by side, in one place; else lane by lane.
+Target Program::target(const PivotPack& pack, std::span<const Target> of_lane) {
+  const int first = std::countr_zero(pack.used), stride = of_lane[first].stride;
+  // Room for all lanes, so that a register may be read and written whole.
+  const std::int64_t place = of_lane[first].place - first;
+  bool side_by_side = !pack.shares && place % stride + pack.lanes <= stride;
+  for (int l = 0; l < pack.lanes; ++l)
+    side_by_side &= !(pack.used >> l & 1u) || (of_lane[l].place == place + l && of_lane[l].stride == stride);
+  if (side_by_side) return {place, stride};
+  const auto begin = static_cast<std::int64_t>(scattered_.size());
+  scattered_.insert(scattered_.end(), of_lane.begin(), of_lane.begin() + pack.lanes);
+  return {~begin, 0};
+}
+
+/// In the order of the elimination.
+void Program::place_rows(const Symbolic& s) {
+  for (const Step& step : steps_) {
+    if (step.pack < 0) {
+      place_[step.pivot] = ~lane_rows_;
+      lane_rows_ += s.dimension(step.pivot);
+      continue;
+    }
+    PivotPack& pack = packs_[step.pack];
+    lane_rows_ += -lane_rows_ & (pack.lanes - 1);  // to the next multiple
+    pack.lane_rows = lane_rows_;
+    lane_rows_ += shape(pack).dimension * pack.lanes;
+  }
+}
+
+void Program::find_row_targets(const Symbolic& s, PivotPack& pack) {
+  std::array<Target, lanes> of_lane{};
+  pack.row_targets = static_cast<int>(row_targets_.size());
+  for (int i = 0; i < shape(pack).couplings(); ++i) {
+    for (int l = 0; l < pack.lanes; ++l) {
+      const RowPlace rows = row_place(s.coupled(pack.pivot[l])[i]);
+      of_lane[l] = {rows.first, rows.stride};
+    }
+    row_targets_.push_back(target(pack, of_lane));
+  }
+}
+
 void Program::find_targets(const Symbolic& s) {
+  if (s.packs() == Packs::on) place_rows(s);
   std::array<Target, lanes> of_lane{};
   std::vector<int> seen(s.pivots(), -1);  // last pack that couples to a pivot
   for (PivotPack& pack : packs_) {
@@ -174,30 +219,20 @@ void Program::find_targets(const Symbolic& s) {
       for (const int later : s.coupled(pack.pivot[l])) pack.shares |= std::exchange(seen[later], number) == number;
     }
     if (pack.shares) scratch_size_ = std::max(scratch_size_, (shape(pack).size() + shape(pack).coupled_rows * shape(pack).coupled_rows) * pack.lanes);
-    const int m = shape(pack).couplings(), first = std::countr_zero(pack.used);
+    find_row_targets(s, pack);
+    const int m = shape(pack).couplings();
     pack.targets = static_cast<int>(targets_.size());
     for (int i = 0; i < m; ++i)
       for (int j = 0; j < m; ++j) {
-        bool side_by_side = true;
         for (int l = 0; l < pack.lanes; ++l) {
           const Symbolic::Pivot& p = s.pivot(pack.pivot[l]);
           of_lane[l] = {s.targets(p)[i * p.target_stride + j], s.pivot(s.coupled(pack.pivot[l])[std::min(i, j)]).stride};
         }
-        for (int l = 0; l < pack.lanes; ++l)
-          side_by_side &= !(pack.used >> l & 1u) || (of_lane[l].place - of_lane[first].place == l - first &&
-                                                     of_lane[l].stride == of_lane[first].stride);
-        // Room for all lanes, so that a register may be read and written whole.
-        const std::int64_t place = of_lane[first].place - first;
-        side_by_side &= !pack.shares && place % of_lane[first].stride + pack.lanes <= of_lane[first].stride;
-        if (side_by_side) {
-          targets_.push_back({place, of_lane[first].stride});
-          continue;
-        }
-        targets_.push_back({~static_cast<std::int64_t>(scattered_.size()), 0});
-        scattered_.insert(scattered_.end(), of_lane.begin(), of_lane.begin() + pack.lanes);
+        targets_.push_back(target(pack, of_lane));
       }
   }
   targets_.shrink_to_fit();
+  row_targets_.shrink_to_fit();
   scattered_.shrink_to_fit();
 }
 
@@ -207,7 +242,7 @@ std::int64_t Program::memory() const {
   return static_cast<std::int64_t>(sizeof(Program) + steps_.size() * sizeof(Step) + groups_.size() * sizeof(Group) +
                                    group_of_.size() * (sizeof(int) + 1) + packs_.size() * sizeof(PivotPack) +
                                    shapes_.size() * sizeof(Shape) + (place_.size() + rows_.size()) * sizeof(int) +
-                                   (targets_.size() + scattered_.size()) * sizeof(Target)) +
+                                   (targets_.size() + row_targets_.size() + scattered_.size()) * sizeof(Target)) +
          couplings * static_cast<std::int64_t>(sizeof(int) + sizeof(char));
 }
 

@@ -43,13 +43,21 @@ struct PivotPack {
   std::int64_t place;
   int rows;                            ///< first of lanes * (1 + couplings) entries in Program::rows
   int targets;                         ///< first of couplings^2 entries in Program::targets
+  int lane_rows;                       ///< of a vector in lanes: row r of lane l lies at lane_rows + r lanes + l
+  int row_targets;                     ///< first of couplings entries in Program::row_targets
 };
 
-/// Blocks that the lanes of a pack change: lane l's from place + l on, its scalars `stride` apart. Where the blocks do not
-/// lie side by side like that, place is ~ of the first of as many entries in Program::scattered() as there are lanes.
+/// Blocks that the lanes of a pack change, or rows that they see: lane l's from place + l on, its scalars `stride` apart.
+/// Where they do not lie side by side like that, place is ~ of the first of as many entries in Program::scattered() as
+/// there are lanes.
 struct Target {
   std::int64_t place;
   int stride;
+};
+
+/// Where the rows of a pivot lie in a vector in lanes: the first, and how far apart they are.
+struct RowPlace {
+  int first, stride;
 };
 
 class Program {
@@ -79,10 +87,21 @@ class Program {
   [[nodiscard]] const PivotPack& pack(int i) const { return packs_[i]; }
   [[nodiscard]] int packs() const { return static_cast<int>(packs_.size()); }
   [[nodiscard]] const Shape& shape(const PivotPack& pack) const { return shapes_[pack.shape]; }
-  /// Pack and lane of a pivot, as pack * 8 + lane; -1 for one that goes by itself.
+  /// Pack and lane of a pivot, as pack * 8 + lane; negative for one that goes by itself.
   [[nodiscard]] int place(int pivot) const { return place_[pivot]; }
   /// First row, in the user's numbering, of each lane's pivot, then of each lane's first coupled block, and so on.
   [[nodiscard]] const int* rows(const PivotPack& pack) const { return rows_.data() + pack.rows; }
+  /// A vector in lanes: rows lie as the pivots do, those of a pack interleaved. Unused lanes have a place too. Without packs
+  /// it is the user's.
+  [[nodiscard]] int lane_rows() const { return lane_rows_; }
+  [[nodiscard]] RowPlace row_place(int pivot) const {
+    const int place = place_[pivot];
+    if (place < 0) return {~place, 1};
+    const PivotPack& pack = packs_[place / lanes];
+    return {pack.lane_rows + place % lanes, pack.lanes};
+  }
+  /// The rows of such a vector that belong to the couplings.
+  [[nodiscard]] const Target* row_targets(const PivotPack& pack) const { return row_targets_.data() + pack.row_targets; }
   /// The blocks between couplings i and j at [i couplings + j].
   [[nodiscard]] const Target* targets(const PivotPack& pack) const { return targets_.data() + pack.targets; }
   [[nodiscard]] const Target* scattered() const { return scattered_.data(); }
@@ -106,6 +125,9 @@ class Program {
   void add_one(const Symbolic& symbolic, const Class& equal, int component);
   void add_copies(const Symbolic& symbolic, const Class& equal, std::span<const int> components);
   void add_pack(const Symbolic& symbolic, PivotPack pack);
+  void place_rows(const Symbolic& symbolic);
+  void find_row_targets(const Symbolic& symbolic, PivotPack& pack);
+  [[nodiscard]] Target target(const PivotPack& pack, std::span<const Target> of_lane);
 
   std::vector<Step> steps_;
   std::vector<Group> groups_;
@@ -114,10 +136,10 @@ class Program {
   std::vector<PivotPack> packs_;
   std::vector<Shape> shapes_;
   std::vector<int> shape_of_;  ///< by pivot; only while the plan is made
-  std::vector<int> place_;
+  std::vector<int> place_;     ///< by pivot; of one that goes by itself ~ of its first row in a vector in lanes
   std::vector<int> rows_;
-  std::vector<Target> targets_, scattered_;
-  int scratch_size_ = 0;
+  std::vector<Target> targets_, row_targets_, scattered_;
+  int scratch_size_ = 0, lane_rows_ = 0;
 };
 
 }  // namespace graphsolve::simd

@@ -12,48 +12,101 @@ HWY_BEFORE_NAMESPACE();
 namespace graphsolve::simd::HWY_NAMESPACE {
 namespace {
 
-/// Each lane's rows of x: of its pivot (block 0) or of coupling block - 1.
-template <int L, class Job, class T>
-HWY_INLINE void point_at(const Job& job, T* x, int block, T** place) {
-  for (int l = 0; l < L; ++l) place[l] = x + job.rows[block * L + l];
-}
+/// The rows of a pivot's coupling in a vector in lanes.
 template <int L>
-HWY_INLINE void point_at(const PackSolve& job, int block, double** place) {
-  point_at<L>(job, job.x, block, place);
-}
+class Coupled {
+ public:
+  HWY_INLINE Coupled(const PackSolve& job, int coupling)
+      : target_(job.program.row_targets(job.pack)[coupling]), lane_(job.program.scattered() + ~target_.place), x_(job.x),
+        active_(job.active) {}
 
-/// The coupled rows of `to` += sign t. If pivots share couplings, lane after lane, as if they went one after the other.
-template <int L, class Job>
-HWY_INLINE void add_coupled(const Job& job, const PackOf<L>* t, double* to, double sign) {
-  const Shape& shape = job.shape;
-  double* place[L];
-  if (!job.pack.shares || L == 1) {
-    for (int i = 0, row = 0; i < shape.couplings(); row += shape.coupled[i++]) {
-      point_at<L>(job, to, i + 1, place);
-      add_transposed(t + row, shape.coupled[i], place, job.active, sign);
+  HWY_INLINE void load(int rows, PackOf<L>* to) const {
+    if (target_.place >= 0) {
+      for (int r = 0; r < rows; ++r) to[r] = simd::HWY_NAMESPACE::load<L>(x_ + target_.place + r * target_.stride);
+      return;
     }
+    for (int r = 0; r < rows; ++r)
+      to[r] = each_lane<L>([&](int l) HWY_ATTR { return x_[lane_[l].place + r * lane_[l].stride]; });
+  }
+  /// The lanes do not share rows.
+  HWY_INLINE void subtract(const PackOf<L>* t, int rows) const {
+    if (target_.place < 0) return subtract_by_lane(t, rows);
+    const bool whole = active_ == all_lanes<L>;
+    const MaskOf<L> mask = lanes_of<L>(active_);
+    for (int r = 0; r < rows; ++r) {
+      double* at = x_ + target_.place + r * target_.stride;
+      const PackOf<L> before = simd::HWY_NAMESPACE::load<L>(at), after = before - t[r];
+      store(whole ? after : select(mask, after, before), at);
+    }
+  }
+  HWY_INLINE void subtract_lane(int l, const PackOf<L>* t, int rows) const {
+    double* at = x_ + lane_[l].place;
+    const double* lost = reinterpret_cast<const double*>(t) + l;
+    for (int r = 0; r < rows; ++r) at[r * lane_[l].stride] -= lost[r * L];
+  }
+
+ private:
+  HWY_INLINE void subtract_by_lane(const PackOf<L>* t, int rows) const {
+    for (int l = 0; l < L; ++l)
+      if (active_ >> l & 1u) subtract_lane(l, t, rows);
+  }
+
+  const Target& target_;
+  const Target* lane_;
+  double* x_;
+  unsigned active_;
+};
+
+/// The coupled rows lose t. If pivots share couplings, lane after lane, as if they went one after the other.
+template <int L>
+HWY_INLINE void subtract_coupled(const PackSolve& job, const Shape& shape, const PackOf<L>* t) {
+  if (!job.pack.shares) {
+    for (int i = 0; i < shape.couplings(); t += shape.coupled[i++]) Coupled<L>(job, i).subtract(t, shape.coupled[i]);
     return;
   }
-  double lanes[L][largest_front];
-  for (int l = 0; l < L; ++l) place[l] = lanes[l];
-  store_transposed(t, shape.coupled_rows, place, job.pack.used);
   for (int l = 0; l < L; ++l) {
     if (!(job.active >> l & 1u)) continue;
-    for (int i = 0, row = 0; i < shape.couplings(); row += shape.coupled[i++]) {
-      double* x = to + job.rows[(i + 1) * L + l];
-      for (int r = 0; r < shape.coupled[i]; ++r) x[r] += sign * lanes[l][row + r];
-    }
+    const PackOf<L>* lost = t;
+    for (int i = 0; i < shape.couplings(); lost += shape.coupled[i++]) Coupled<L>(job, i).subtract_lane(l, lost, shape.coupled[i]);
   }
+}
+
+template <int L>
+HWY_INLINE void load_own(const PackSolve& job, int d, PackOf<L>* x) {
+  for (int p = 0; p < d; ++p) x[p] = load<L>(job.x + job.pack.lane_rows + p * L);
+}
+template <int L>
+HWY_INLINE void store_own(const PackSolve& job, int d, const PackOf<L>* x) {
+  double* at = job.x + job.pack.lane_rows;
+  if (job.active == all_lanes<L>) {
+    for (int p = 0; p < d; ++p) store(x[p], at + p * L);
+    return;
+  }
+  const MaskOf<L> mask = lanes_of<L>(job.active);
+  for (int p = 0; p < d; ++p) store(select(mask, x[p], load<L>(at + p * L)), at + p * L);
+}
+
+/// Each lane's rows of a vector of the user's: of its pivot (block 0) or of coupling block - 1.
+template <int L, class T>
+HWY_INLINE void point_at(const Program& program, const PivotPack& pack, T* x, int block, T** place) {
+  for (int l = 0; l < L; ++l) place[l] = x + program.rows(pack)[block * L + l];
+}
+
+/// Where the rows of the pivots are final.
+template <int L>
+HWY_INLINE void finish_own(const PackSolve& job, int d, const PackOf<L>* x) {
+  store_own<L>(job, d, x);
+  double* place[L];
+  point_at<L>(job.program, job.pack, job.result, 0, place);
+  store_transposed(x, d, place, job.active);
 }
 
 template <int D, int L>
 void forward(const PackSolve& job) {
-  const Shape& shape = job.shape;
+  const Shape& shape = job.program.shape(job.pack);
   const int d = D ? D : shape.dimension;
   PackOf<L> lu[D ? D * D : largest_dimension * largest_dimension], x[D ? D : largest_dimension], t[largest_front];
-  double* place[L];
-  point_at<L>(job, 0, place);
-  load_transposed(place, d, x, job.pack.used);
+  load_own<L>(job, d, x);
   if (job.form == Form::ldlt) {
     load_lower<D>(job.factor, lu, d);
     solve_lower<D, 1>(lu, x, d);
@@ -61,7 +114,7 @@ void forward(const PackSolve& job) {
     load_diagonal<D>(job.factor, lu, d);
     solve_columns<D, 1>(lu, x, d);
   }
-  store_transposed(x, d, place, job.active);
+  store_own<L>(job, d, x);
   const double* lower = job.factor + d * d * L;
   PackOf<L>* sum = t;
   for (int i = 0; i < shape.couplings(); ++i) {
@@ -73,54 +126,49 @@ void forward(const PackSolve& job) {
     }
     lower += rows * d * L;
   }
-  add_coupled(job, t, job.x, -1.0);
+  subtract_coupled<L>(job, shape, t);
 }
 
 template <int D, int L>
 void backward(const PackSolve& job) {
-  const Shape& shape = job.shape;
+  const Shape& shape = job.program.shape(job.pack);
   const int d = D ? D : shape.dimension;
   const double* w = job.factor + d * (d + shape.coupled_rows) * L;
-  PackOf<L> coupled[largest_front], sum[D ? D : largest_dimension];
-  double* place[L];
-  for (int i = 0, row = 0; i < shape.couplings(); row += shape.coupled[i++]) {
-    point_at<L>(job, i + 1, place);
-    load_transposed(place, shape.coupled[i], coupled + row, job.pack.used);
-  }
+  PackOf<L> coupled[largest_dimension], sum[D ? D : largest_dimension], x[D ? D : largest_dimension];
   for (int p = 0; p < d; ++p) sum[p] = PackOf<L>(0.0);
-  for (int c = 0; c < shape.coupled_rows; ++c)
+  for (int i = 0; i < shape.couplings(); ++i) {
+    Coupled<L>(job, i).load(shape.coupled[i], coupled);
+    for (int c = 0; c < shape.coupled[i]; ++c, w += d * L)
 #pragma GCC unroll 6
-    for (int p = 0; p < d; ++p) sum[p] = multiply_add(load<L>(w + (c * d + p) * L), coupled[c], sum[p]);
-  point_at<L>(job, 0, place);
-  add_transposed(sum, d, place, job.active, -1.0);
+      for (int p = 0; p < d; ++p) sum[p] = multiply_add(load<L>(w + p * L), coupled[c], sum[p]);
+  }
+  load_own<L>(job, d, x);
+  for (int p = 0; p < d; ++p) x[p] = x[p] - sum[p];
+  finish_own<L>(job, d, x);
 }
 
 template <int D, int L>
 void forward_transposed(const PackSolve& job) {
-  const Shape& shape = job.shape;
+  const Shape& shape = job.program.shape(job.pack);
   const int d = D ? D : shape.dimension;
   const double* w = job.factor + d * (d + shape.coupled_rows) * L;
   PackOf<L> x[D ? D : largest_dimension], t[largest_front];
-  double* place[L];
-  point_at<L>(job, 0, place);
-  load_transposed(place, d, x, job.pack.used);
+  load_own<L>(job, d, x);
   for (int r = 0; r < shape.coupled_rows; ++r, w += d * L) {
     t[r] = load<L>(w) * x[0];
 #pragma GCC unroll 6
     for (int p = 1; p < d; ++p) t[r] = multiply_add(load<L>(w + p * L), x[p], t[r]);
   }
-  add_coupled(job, t, job.x, -1.0);
+  subtract_coupled<L>(job, shape, t);
 }
 
 template <int D, int L>
 void backward_transposed(const PackSolve& job) {
-  const Shape& shape = job.shape;
+  const Shape& shape = job.program.shape(job.pack);
   const int d = D ? D : shape.dimension;
-  PackOf<L> lu[D ? D * D : largest_dimension * largest_dimension], x[D ? D : largest_dimension], coupled[largest_front];
-  double* place[L];
+  PackOf<L> lu[D ? D * D : largest_dimension * largest_dimension], x[D ? D : largest_dimension], coupled[largest_dimension];
   const bool ldlt = job.form == Form::ldlt;
-  point_at<L>(job, 0, place);
-  load_transposed(place, d, x, job.pack.used);
+  load_own<L>(job, d, x);
   if (ldlt) {
     load_lower<D>(job.factor, lu, d);
     for (int p = 0; p < d; ++p) x[p] *= lu[p * (d + 1)];
@@ -130,8 +178,7 @@ void backward_transposed(const PackSolve& job) {
   const double* lower = job.factor + d * d * L;
   for (int i = 0; i < shape.couplings(); ++i) {
     const int rows = shape.coupled[i];
-    point_at<L>(job, i + 1, place);
-    load_transposed(place, rows, coupled, job.pack.used);
+    Coupled<L>(job, i).load(rows, coupled);
     for (int r = 0; r < rows; ++r)
 #pragma GCC unroll 6
       for (int p = 0; p < d; ++p) x[p] = negative_multiply_add(load<L>(lower + (p * rows + r) * L), coupled[r], x[p]);
@@ -139,8 +186,41 @@ void backward_transposed(const PackSolve& job) {
   }
   if (!ldlt) solve_upper_transposed<D>(lu, x, d);
   solve_lower_transposed<D>(lu, x, d);
-  point_at<L>(job, 0, place);
-  store_transposed(x, d, place, job.active);
+  finish_own<L>(job, d, x);
+}
+
+template <int D, int L>
+HWY_INLINE void enter(const Program& program, const PivotPack& pack, const double* user, double* to) {
+  const int d = D ? D : program.shape(pack).dimension;
+  PackOf<L> x[D ? D : largest_dimension];
+  const double* place[L];
+  point_at<L>(program, pack, user, 0, place);
+  load_transposed(place, d, x, pack.used);
+  for (int p = 0; p < d; ++p) store(x[p], to + pack.lane_rows + p * L);
+}
+void enter_any(const Program& program, const PivotPack& pack, const double* user, double* to) {
+  GRAPHSOLVE_BY_SHAPE(pack.lanes, program.shape(pack).dimension, enter, program, pack, user, to)
+}
+
+/// The coupled rows of `to`, a vector of the user's, += sign t. If pivots share couplings, lane after lane.
+template <int L>
+HWY_INLINE void add_coupled(const PackResidual& job, const Shape& shape, const PackOf<L>* t, double* to, double sign) {
+  double* place[L];
+  if (!job.pack.shares || L == 1) {
+    for (int i = 0; i < shape.couplings(); t += shape.coupled[i++]) {
+      point_at<L>(job.program, job.pack, to, i + 1, place);
+      add_transposed(t, shape.coupled[i], place, job.active, sign);
+    }
+    return;
+  }
+  for (int l = 0; l < L; ++l) {
+    if (!(job.active >> l & 1u)) continue;
+    const double* lane = reinterpret_cast<const double*>(t) + l;
+    for (int i = 0; i < shape.couplings(); lane += L * shape.coupled[i++]) {
+      point_at<L>(job.program, job.pack, to, i + 1, place);
+      for (int r = 0; r < shape.coupled[i]; ++r) place[l][r] += sign * lane[r * L];
+    }
+  }
 }
 
 /// sum and its magnitude += a b, number by number.
@@ -153,12 +233,12 @@ HWY_INLINE void take_up(const PackOf<L>& a, const PackOf<L>& b, PackOf<L>& sum, 
 template <int D, int L>
 void residual(const PackResidual& job) {
   using P = PackOf<L>;
-  const Shape& shape = job.shape;
+  const Shape& shape = job.program.shape(job.pack);
   const int d = D ? D : shape.dimension;
   P x[D ? D : largest_dimension], coupled[largest_front], sum[largest_front], magnitude[largest_front];
   const double* from[L];
   double* place[L];
-  point_at<L>(job, job.x, 0, from);
+  point_at<L>(job.program, job.pack, job.x, 0, from);
   load_transposed(from, d, x, job.pack.used);
   for (int p = 0; p < d; ++p) sum[p] = magnitude[p] = P(0.0);
   const double* a = job.matrix;
@@ -167,50 +247,55 @@ void residual(const PackResidual& job) {
   const double* lower = a;
   a += d * shape.coupled_rows * L;
   for (int i = 0, row = 0; i < shape.couplings(); row += shape.coupled[i++]) {
-    point_at<L>(job, job.x, i + 1, from);
+    point_at<L>(job.program, job.pack, job.x, i + 1, from);
     load_transposed(from, shape.coupled[i], coupled + row, job.pack.used);
   }
   for (int c = 0; c < shape.coupled_rows; ++c)
     for (int p = 0; p < d; ++p, a += L) take_up(load<L>(a), coupled[c], sum[p], magnitude[p]);
-  point_at<L>(job, job.residual, 0, place);
+  point_at<L>(job.program, job.pack, job.residual, 0, place);
   add_transposed(sum, d, place, job.active, -1.0);
-  point_at<L>(job, job.magnitude, 0, place);
+  point_at<L>(job.program, job.pack, job.magnitude, 0, place);
   add_transposed(magnitude, d, place, job.active, 1.0);
   for (int c = 0; c < shape.coupled_rows; ++c) sum[c] = magnitude[c] = P(0.0);
   for (int i = 0, row = 0; i < shape.couplings(); row += shape.coupled[i++])
     for (int q = 0; q < d; ++q)
       for (int r = row; r < row + shape.coupled[i]; ++r, lower += L) take_up(load<L>(lower), x[q], sum[r], magnitude[r]);
-  add_coupled(job, sum, job.residual, -1.0);
-  add_coupled(job, magnitude, job.magnitude, 1.0);
+  add_coupled<L>(job, shape, sum, job.residual, -1.0);
+  add_coupled<L>(job, shape, magnitude, job.magnitude, 1.0);
 }
 
 }  // namespace
 
-void SolveForward(const PackSolve& job) { GRAPHSOLVE_BY_SHAPE(job.pack.lanes, job.shape.dimension, forward, job) }
-void SolveBackward(const PackSolve& job) { GRAPHSOLVE_BY_SHAPE(job.pack.lanes, job.shape.dimension, backward, job) }
-void SolveForwardTransposed(const PackSolve& job) {
-  GRAPHSOLVE_BY_SHAPE(job.pack.lanes, job.shape.dimension, forward_transposed, job)
-}
-void SolveBackwardTransposed(const PackSolve& job) {
-  GRAPHSOLVE_BY_SHAPE(job.pack.lanes, job.shape.dimension, backward_transposed, job)
-}
+#define GRAPHSOLVE_FOR_PACK(function) \
+  GRAPHSOLVE_BY_SHAPE(job.pack.lanes, job.program.shape(job.pack).dimension, function, job)
 
-void SubtractProduct(const PackResidual& job) {
-  GRAPHSOLVE_BY_SHAPE(job.pack.lanes, job.shape.dimension, residual, job)
+void ToLanes(const Program& program, std::span<const Program::Step> steps, const double* x, double* to) {
+  for (const Program::Step& step : steps)
+    if (step.pack >= 0) enter_any(program, program.pack(step.pack), x, to);
 }
+void SolveForward(const PackSolve& job) { GRAPHSOLVE_FOR_PACK(forward) }
+void SolveBackward(const PackSolve& job) { GRAPHSOLVE_FOR_PACK(backward) }
+void SolveForwardTransposed(const PackSolve& job) { GRAPHSOLVE_FOR_PACK(forward_transposed) }
+void SolveBackwardTransposed(const PackSolve& job) { GRAPHSOLVE_FOR_PACK(backward_transposed) }
+void SubtractProduct(const PackResidual& job) { GRAPHSOLVE_FOR_PACK(residual) }
 
+#undef GRAPHSOLVE_FOR_PACK
 }  // namespace graphsolve::simd::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace graphsolve::simd {
 
+HWY_EXPORT(ToLanes);
 HWY_EXPORT(SolveForward);
 HWY_EXPORT(SolveBackward);
 HWY_EXPORT(SolveForwardTransposed);
 HWY_EXPORT(SolveBackwardTransposed);
 HWY_EXPORT(SubtractProduct);
 
+void to_lanes(const Program& program, std::span<const Program::Step> steps, const double* x, double* to) {
+  HWY_DYNAMIC_DISPATCH(ToLanes)(program, steps, x, to);
+}
 void solve_forward(const PackSolve& job) { HWY_DYNAMIC_DISPATCH(SolveForward)(job); }
 void solve_backward(const PackSolve& job) { HWY_DYNAMIC_DISPATCH(SolveBackward)(job); }
 void solve_forward_transposed(const PackSolve& job) { HWY_DYNAMIC_DISPATCH(SolveForwardTransposed)(job); }

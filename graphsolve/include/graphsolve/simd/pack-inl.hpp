@@ -161,12 +161,37 @@ HWY_INLINE void store(const PackOf<L>& a, double* to) {
   for (int i = 0; i < P::parts; ++i) hn::StoreU(a.part[i], typename P::Tag(), to + i * P::width);
 }
 
+/// W numbers of their own, f(first), f(first + 1), ...
+template <int W, class F>
+HWY_INLINE hn::VFromD<hn::CappedTag<double, W>> vector_of(F&& f, int first) {
+  constexpr hn::CappedTag<double, W> tag;
+#if HWY_TARGET != HWY_SCALAR
+  if constexpr (W == 2) return hn::InterleaveLower(tag, hn::Set(tag, f(first)), hn::Set(tag, f(first + 1)));
+  else if constexpr (W > 2) return hn::Combine(tag, vector_of<W / 2>(f, first + W / 2), vector_of<W / 2>(f, first));
+  else
+#endif
+    return hn::Set(tag, f(first));
+}
+/// Lane l: f(l).
+template <int L, class F>
+HWY_INLINE PackOf<L> each_lane(F&& f) {
+  PackOf<L> r;
+  for (int i = 0; i < PackOf<L>::parts; ++i) r.part[i] = vector_of<PackOf<L>::width>(f, i * PackOf<L>::width);
+  return r;
+}
+
+template <int L>
+inline constexpr unsigned all_lanes = (1u << L) - 1;
+
 /// True where the bit is set.
 template <int L>
 HWY_INLINE MaskOf<L> lanes_of(unsigned set) {
-  double one[L];
-  for (int l = 0; l < L; ++l) one[l] = set >> l & 1u;
-  return load<L>(one) > PackOf<L>(0.5);
+  MaskOf<L> r;
+  for (int i = 0; i < PackOf<L>::parts; ++i) {
+    const std::uint8_t byte[8] = {static_cast<std::uint8_t>(set >> (i * PackOf<L>::width))};
+    r.part[i] = hn::LoadMaskBits(typename PackOf<L>::Tag(), byte);
+  }
+  return r;
 }
 
 using Pack = PackOf<lanes>;  ///< 64 bytes in memory, on every machine
