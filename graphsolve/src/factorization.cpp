@@ -24,6 +24,7 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
   row_exchange_.assign(s.rows(), 0);
   reference_.assign(s.rows(), 0.0);
   rank_.resize(s.pivots());
+  if (symmetric()) halved_.assign(s.pivots(), 0);
   referenced_.reserve(std::ranges::count_if(std::views::iota(0, s.pivots()), [&](int k) { return starts_with_reference(k); }));
   first_row_.assign(s.pivots(), 0);
   equal_.assign(s.pivots(), 0);
@@ -293,14 +294,21 @@ bool Factorization::factorize_pivot_any(int k, const PivotBlocks& blocks, Outcom
   return smallest > 0;
 }
 
-/// W = D^-1 U, then the blocks between the couplings lose L W.
+/// The blocks between the couplings lose L D^-1 U.
 void Factorization::eliminate(int k, const PivotBlocks& blocks, Outcome& outcome) {
-  const Symbolic::Pivot& p = symbolic_->pivot(k);
-  if (p.coupled_rows == 0) return;
-  const std::int64_t d = p.dimension;
-  solve_diagonal(k, blocks.diagonal, blocks.upper, p.coupled_rows, p.dimension);
-  outcome.operations += d * d * p.coupled_rows;
+  if (symbolic_->pivot(k).coupled_rows == 0) return;
+  finish_panel(k, blocks, outcome);
   update(k, blocks, 0, outcome);
+}
+
+/// What is above and below a factored block becomes what updates the blocks that follow by its product.
+void Factorization::finish_panel(int k, const PivotBlocks& blocks, Outcome& outcome) const {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  const std::int64_t d = p.dimension;
+  const bool half = is_halved(k);
+  if (half) halve_panel(k, blocks);
+  else solve_diagonal(k, blocks.diagonal, blocks.upper, p.coupled_rows, p.dimension);
+  outcome.operations += (half ? d * (d + 1) / 2 : d * d) * p.coupled_rows;
 }
 
 }  // namespace graphsolve

@@ -69,7 +69,7 @@ void Factorization::dependency(const DroppedRow& dropped, std::span<double> y) c
       kernels::subtract_transposed_times_vector(yj, lower, y.data() + pi.row, pi.dimension, pj.dimension);
       lower += pi.dimension * pj.dimension;
     }
-    if (symmetric() && is_packed(j))  // Form::ldlt; y_j was zero
+    if (symmetric() && (is_packed(j) || is_halved(j)))  // y_j was zero
       for (int q = pj.dimension - 1; q >= 0; --q)
         for (int i = q + 1; i < pj.dimension; ++i) yj[q] -= diagonal[q * pj.dimension + i] * yj[i];
     else if (rank_[j] == pj.dimension)

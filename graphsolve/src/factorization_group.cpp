@@ -68,8 +68,8 @@ void Factorization::eliminate_group(int begin, int size, Outcome& outcome) {
     if (r > 0) update_member(begin, k, l + static_cast<std::ptrdiff_t>(r - 1) * depth * d, depth);
     begin_alone(k, outcome);
     if (!factorize_pivot(k, open(k), outcome)) return;
-    solve_diagonal(k, values_.data() + p.diagonal, values_.data() + p.upper, p.coupled_rows, d);
-    outcome.operations += static_cast<std::int64_t>(d) * d * p.coupled_rows + d * updated_scalars(m, d);
+    finish_panel(k, open(k), outcome);
+    outcome.operations += d * updated_scalars(m, d);
     const double* lower = values_.data() + p.lower;
     for (int i = r; i < couplings; ++i, lower += d * d)
       std::copy_n(lower, d * d, l + static_cast<std::ptrdiff_t>(i) * depth * d + r * d * d);

@@ -73,7 +73,7 @@ void Factorization::solve_components(std::span<double> x, std::span<const int> c
   solve_active(x.data(), 1);
 }
 
-/// x_k := D^-1 x_k, then the coupled rows lose L x_k. Columns only without packs, where they are `stride` apart.
+/// x_k := D^-1 x_k, or the first half of it, then the coupled rows lose L x_k. Columns only without packs, where they are `stride` apart.
 void Factorization::solve_forward(int k, double* x, int columns) const {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
@@ -82,7 +82,8 @@ void Factorization::solve_forward(int k, double* x, int columns) const {
   const PivotFactor factor = factor_of(k, buffer);
   const Gathered own(x, s.program().row_place(k), p.dimension);
   const double* xk = own.rows();
-  solve_diagonal(k, factor.diagonal, own.rows(), columns, stride);
+  if (is_halved(k)) kernels_->first_solve(p.dimension)(factor.diagonal, nullptr, own.rows(), p.dimension, columns, stride);
+  else solve_diagonal(k, factor.diagonal, own.rows(), columns, stride);
   own.write_back();
   const double* lower = factor.lower;
   if (columns == 1 && equal_[k] > 0 && s.packs() == Packs::off) {
@@ -98,23 +99,25 @@ void Factorization::solve_forward(int k, double* x, int columns) const {
   }
 }
 
-/// x_k loses D^-1 U times the coupled rows.
+/// x_k loses D^-1 U times the coupled rows, or L^-1 P^T times them before it goes through the second half.
 void Factorization::solve_backward(int k, double* x, int columns) const {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
   const std::ptrdiff_t stride = s.rows();
   double buffer[simd::largest_factor];
-  const double* upper = factor_of(k, buffer).upper;
+  const PivotFactor factor = factor_of(k, buffer);
+  const double* upper = factor.upper;
   const Gathered own(x, s.program().row_place(k), p.dimension);
   if (columns == 1 && equal_[k] > 0 && s.packs() == Packs::off) {
     kernels_->backwards[equal_[k] - 1](own.rows(), &s.pivot(0), s.coupled(k), upper, x, p.dimension);
-    return;
+  } else {
+    for (const int j : s.coupled(k)) {
+      const Gathered coupled(x, s.program().row_place(j), s.dimension(j));
+      kernels_->product(p.dimension)(own.rows(), stride, upper, coupled.rows(), stride, p.dimension, s.dimension(j), columns);
+      upper += p.dimension * s.dimension(j);
+    }
   }
-  for (const int j : s.coupled(k)) {
-    const Gathered coupled(x, s.program().row_place(j), s.dimension(j));
-    kernels_->product(p.dimension)(own.rows(), stride, upper, coupled.rows(), stride, p.dimension, s.dimension(j), columns);
-    upper += p.dimension * s.dimension(j);
-  }
+  if (is_halved(k)) kernels_->second_solve(p.dimension)(factor.diagonal, nullptr, own.rows(), p.dimension, columns, stride);
   own.write_back();
 }
 

@@ -9,9 +9,9 @@
 #include "rank_revealing.hpp"
 #include "simd/pivot_kernels.hpp"
 
-/// Pivots of the symmetric kinds. A definite block of the sign its node promises is factored without exchanges and
-/// left in the form of an LU, so that solving is the same for all kinds. Any other block gets an LU with exchanges, as
-/// stable as Bunch-Kaufman and the same to solve with, and its signs from a congruence of its own (block_inertia.hpp).
+/// Pivots of the symmetric kinds. A definite block of the sign its node promises is factored without exchanges, and the panel
+/// below it goes through half a solve (halved_). Any other block gets an LU with exchanges, as stable as Bunch-Kaufman, and its
+/// signs from a congruence of its own (block_inertia.hpp); its panel is that of an LDU.
 namespace graphsolve {
 
 using simd::dependent;
@@ -32,6 +32,20 @@ void transpose(const double* from, double* to) {
 }
 
 }  // namespace
+
+/// The panel below a definite block: P L^-T D^-1, and L^-1 P^T beside it, whose product updates what follows.
+void Factorization::halve_panel(int k, const PivotBlocks& blocks) const {
+  const Symbolic& s = *symbolic_;
+  const int d = s.dimension(k);
+  const auto halve = kernels_->halve(d);
+  if (equal_[k] > 0) return halve(blocks.diagonal, blocks.lower, blocks.upper, equal_[k], d, static_cast<int>(s.coupled(k).size()));
+  double *lower = blocks.lower, *upper = blocks.upper;
+  for (const int later : s.coupled(k)) {
+    halve(blocks.diagonal, lower, upper, s.dimension(later), d, 1);
+    lower += s.dimension(later) * d;
+    upper += s.dimension(later) * d;
+  }
+}
 
 /// U := P^T; the solve turns it into W.
 void Factorization::transpose_panel(int k, const PivotBlocks& blocks) const {
@@ -90,19 +104,20 @@ simd::Definite Factorization::definite(int k) const {
 
 bool Factorization::factorize_pivot_symmetric(int k, const PivotBlocks& blocks, Outcome& outcome) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
-  const int d = p.dimension, row = first_row_[k];
+  const int d = p.dimension;
   double* diagonal = blocks.diagonal;
   const bool cholesky = kind_ == FactorizationKind::cholesky;
   const auto [sign, smallest, compared] = definite(k);
-  transpose_panel(k, blocks);
-  if (d > kernels::max_fixed) std::copy_n(diagonal, d * d, work_.data());
+  const bool may_be_spoilt = kernels::Table::kind(d) == 0;
+  if (may_be_spoilt) std::copy_n(diagonal, d * d, work_.data());
   outcome.operations += ldlt_operations(d);
-  if (kernels_->factor_definite(d)(diagonal, reference_.data() + p.row, sign, smallest, d)) {
-    for (int i = 0; i < d; ++i) row_exchange_[row + i] = i;
+  halved_[k] = kernels_->factor_definite(d)(diagonal, reference_.data() + p.row, sign, smallest, d);
+  if (halved_[k]) {
     (sign < 0 ? outcome.inertia.negative : outcome.inertia.positive) += d;
     return true;
   }
-  if (d > kernels::max_fixed) std::copy_n(work_.data(), d * d, diagonal);
+  transpose_panel(k, blocks);
+  if (may_be_spoilt) std::copy_n(work_.data(), d * d, diagonal);
   return !cholesky && factorize_pivot_indefinite(k, blocks, outcome);
 }
 

@@ -28,10 +28,14 @@ using RowOfBlocks = void (*)(double* values, const std::int64_t* target, const d
 using Factor = double (*)(double* a, int* rows, int d);
 /// LDL^T of a definite block without exchanges, from its lower triangle, into the form that Factor leaves: L unit
 /// below the diagonal, reciprocals of the pivots on it, D L^T above. True when all pivots have the given sign (1 or
-/// -1) and are larger than `tiny` times their reference; else the block is as it was (blocks larger than max_fixed:
+/// -1) and are larger than `tiny` times their reference; else the block is as it was (blocks without code of their own:
 /// spoilt). Definite blocks need no exchanges: their elements do not grow.
 using FactorDefinite = bool (*)(double* a, const double* reference, double sign, double tiny, int d);
-/// X (d x n) := A^-1 X with the result of Factor or FactorDefinite; columns of X lie `stride` apart.
+/// The panel below a block that FactorDefinite has factored, blocks P of `rows` each, one after the other: lower := P L^-T D^-1,
+/// upper (d x rows) := L^-1 P^T. Their product is P A^-1 P^T.
+using Halve = void (*)(const double* a, double* lower, double* upper, int rows, int d, int blocks);
+/// X (d x n) := A^-1 X with the result of Factor or FactorDefinite; columns of X lie `stride` apart. Of the latter also the
+/// halves: first L^-1 X, second L^-T D^-1 X.
 using Solve = void (*)(const double* a, const int* rows, double* x, int d, int n, std::ptrdiff_t stride);
 
 /// Of a solve: S rows each of x at coupled[j].row lose block j of L (S x d, one block after the other) times y (d).
@@ -50,8 +54,9 @@ using Transpose = void (*)(const double* from, double* to, int blocks);
 constexpr int spread_size(int depth, int blocks, int s) { return (blocks + 3) / 4 * 4 * depth * s * s; }
 
 inline constexpr int max_rows = 8;   ///< products have code of their own for up to so many rows
-inline constexpr int max_fixed = 6;  ///< the others for blocks of up to so many, and
-inline constexpr int also_fixed = 12;
+inline constexpr int max_fixed = 6;  ///< the others for blocks of up to so many,
+inline constexpr int also_fixed = 12;  ///< and what has to do with definite blocks, and solves, for this many
+inline constexpr int kinds_of_dimension = max_fixed + 2;
 inline constexpr int max_spread = 4;  ///< S of rows of blocks
 inline constexpr int at_once = 12;    ///< columns of L that they keep in registers
 inline constexpr int max_equal = 6;   ///< S of solves
@@ -66,18 +71,20 @@ struct Table {
   std::array<Transpose, max_spread> transposes;
   std::array<Forward, max_equal> forwards;
   std::array<Backward, max_equal> backwards;
-  std::array<Factor, max_fixed + 1> factors;
-  std::array<FactorDefinite, max_fixed + 1> definite_factors;
-  std::array<Solve, max_fixed + 1> solves;
-  Solve also_solve;
+  std::array<Factor, kinds_of_dimension> factors;  ///< of these the last is for also_fixed
+  std::array<FactorDefinite, kinds_of_dimension> definite_factors;
+  std::array<Halve, kinds_of_dimension> halves;
+  std::array<Solve, kinds_of_dimension> solves, first_solves, second_solves;
 
   [[nodiscard]] Product product(int m) const { return products[m <= max_rows ? m : 0]; }
   [[nodiscard]] LowerProduct lower_product(int m) const { return lower_products[m <= max_rows ? m : 0]; }
-  [[nodiscard]] Factor factor(int d) const { return factors[d <= max_fixed ? d : 0]; }
-  [[nodiscard]] FactorDefinite factor_definite(int d) const { return definite_factors[d <= max_fixed ? d : 0]; }
-  [[nodiscard]] Solve solve(int d) const {
-    return d == also_fixed ? also_solve : solves[d <= max_fixed ? d : 0];
-  }
+  [[nodiscard]] static int kind(int d) { return d == also_fixed ? max_fixed + 1 : d <= max_fixed ? d : 0; }
+  [[nodiscard]] Factor factor(int d) const { return factors[kind(d)]; }
+  [[nodiscard]] FactorDefinite factor_definite(int d) const { return definite_factors[kind(d)]; }
+  [[nodiscard]] Halve halve(int d) const { return halves[kind(d)]; }
+  [[nodiscard]] Solve solve(int d) const { return solves[kind(d)]; }
+  [[nodiscard]] Solve first_solve(int d) const { return first_solves[kind(d)]; }
+  [[nodiscard]] Solve second_solve(int d) const { return second_solves[kind(d)]; }
 };
 
 /// For the instruction set in use (simd::instruction_set). Lives as long as the process.

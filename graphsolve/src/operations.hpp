@@ -14,7 +14,7 @@ constexpr std::int64_t lu_operations(std::int64_t d) {
 constexpr std::int64_t ldlt_operations(std::int64_t d) { return d + d * (d - 1) / 2 + (d - 1) * d * (d + 1) / 6; }
 
 /// LDL^T of such a block, half a solve for each of the m rows coupled to it, and one triangle of what is between these.
-constexpr std::int64_t ldlt_pack_operations(std::int64_t d, std::int64_t m) {
+constexpr std::int64_t ldlt_pivot_operations(std::int64_t d, std::int64_t m) {
   return ldlt_operations(d) + m * d * (d + 1) / 2 + d * m * (m + 1) / 2;
 }
 

@@ -52,8 +52,7 @@ Symbolic::Symbolic(const BlockGraph& graph, const Ordering& ordering, Packs pack
     const Pivot& p = pivots_[step.pack < 0 ? step.pivot : program_->pack(step.pack).pivot[0]];
     const std::int64_t d = p.dimension, m = p.coupled_rows;
     counts_.pack_operations += lu_operations(d) + d * m * (d + m);
-    counts_.symmetric_pack_operations +=
-        step.pack < 0 ? ldlt_operations(d) + d * m * d + d * m * (m + 1) / 2 : ldlt_pack_operations(d, m);
+    counts_.symmetric_pack_operations += ldlt_pivot_operations(d, m);
   }
   count_memory();
 }
@@ -207,9 +206,7 @@ void Symbolic::lay_out(simd::Program& program) {
     counts_.matrix_scalars += d * d;
     counts_.stored_scalars += p.scalars();
     counts_.operations += lu_operations(d) + r * d * d + d * r * r;
-    counts_.symmetric_operations += program.place(static_cast<int>(&p - pivots_.data())) >= 0
-                                        ? ldlt_pack_operations(d, r)
-                                        : ldlt_operations(d) + r * d * d + d * r * (r + 1) / 2;
+    counts_.symmetric_operations += ldlt_pivot_operations(d, r);
     counts_.solve_operations += d * d + 2 * d * r;
     counts_.largest_front = std::max(counts_.largest_front, p.dimension + p.coupled_rows);
   }

@@ -25,7 +25,7 @@ struct PackNumbers;
 ///
 /// The symmetric kinds read the lower triangle in elimination order: the lower triangle of each diagonal block and
 /// the blocks (later, earlier). Writers may fill both triangles; packs leave the other one as it is, pivots that go by
-/// themselves put W = D^-1 P^T there. Half the operations of ldu or less (Symbolic::Counts::symmetric_operations).
+/// themselves put L^-1 P^T there. Half the operations of ldu or less (Symbolic::Counts::symmetric_operations).
 enum class FactorizationKind {
   ldu,       ///< structurally symmetric, any values; saddle systems as [H -J^T; J C]
   ldlt,      ///< symmetric, indefinite allowed; saddle systems as [H J^T; J -C]
@@ -209,6 +209,9 @@ class Factorization {
   bool couples_later(int k, const PivotBlocks& blocks);
   [[nodiscard]] double largest_of(int k) const;
   void transpose_panel(int k, const PivotBlocks& blocks) const;
+  void halve_panel(int k, const PivotBlocks& blocks) const;
+  void finish_panel(int k, const PivotBlocks& blocks, Outcome& outcome) const;
+  [[nodiscard]] bool is_halved(int pivot) const { return symmetric() && halved_[pivot]; }
   void mirror_matrix(int k);
   void eliminate(int k, const PivotBlocks& blocks, Outcome& outcome);
   void update(int k, const PivotBlocks& blocks, int from, Outcome& outcome);
@@ -265,6 +268,7 @@ class Factorization {
   std::vector<int> row_exchange_;     ///< per row in pivot order: the row that took this place in its block
   std::vector<int> column_exchange_;  ///< same for columns, where the rank is not full; empty where it always is
   std::vector<int> rank_;             ///< per pivot
+  std::vector<char> halved_;          ///< per pivot of a symmetric kind that went by itself: is its block definite?
   std::vector<int> first_row_;        ///< per pivot: first row in pivot order
   std::vector<int> referenced_;       ///< pivots that start_with_reference, ascending
   std::vector<double> reference_;     ///< per row of the user: largest amount, signed, added to a saddle diagonal;

@@ -10,6 +10,7 @@
 // Compiles the rest of this file once per instruction set.
 #include <hwy/foreach_target.h>
 
+#include "simd/definite-inl.hpp"
 #include "simd/products-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -19,21 +20,6 @@ namespace {
 /// The diagonal entry is taken when it is at least this part of the largest: definite blocks then need no exchanges,
 /// whose branches cost more than the arithmetic. Entries grow at most by 1 + 1 / this per stage.
 constexpr double diagonal_preferred = 0.1;
-
-/// to -= from s
-HWY_INLINE void subtract(double* HWY_RESTRICT to, const double* HWY_RESTRICT from, double s, int count) {
-  const auto some = [&]<int M>() {
-    Rows<M> sum = Rows<M>::load(to);
-    sum.subtract(Rows<M>::load(from), s);
-    sum.store(to);
-    to += M;
-    from += M;
-  };
-  for (; count >= 8; count -= 8) some.template operator()<8>();
-  if (count & 4) some.template operator()<4>();
-  if (count & 2) some.template operator()<2>();
-  if (count & 1) some.template operator()<1>();
-}
 
 double factor_with_exchanges(double* a, int* rows, int d) {
   double smallest = std::numeric_limits<double>::infinity();
@@ -102,100 +88,67 @@ double factor(double* a, int* rows, int d) {
   }
 }
 
-template <int D>
-bool factor_definite(double* a, const double* reference, double sign, double tiny, int d_) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  if constexpr (D > 0) {
-    double t[D][D], l[D][D];
-    for (int p = 0; p < D; ++p)
-      for (int i = p; i < D; ++i) t[p][i] = a[p * D + i];
-    bool sound = true;
-#pragma GCC unroll 6
-    for (int p = 0; p < D; ++p) {
-      const double size = sign * t[p][p];
-      sound &= (size > tiny * reference[p]) & (size < infinity);
-      t[p][p] = 1.0 / t[p][p];
-#pragma GCC unroll 6
-      for (int i = p + 1; i < D; ++i) l[p][i] = t[p][i] * t[p][p];
-#pragma GCC unroll 6
-      for (int j = p + 1; j < D; ++j)
-#pragma GCC unroll 6
-        for (int i = j; i < D; ++i) t[j][i] -= t[p][i] * l[p][j];
-    }
-    if (!sound) return false;
-#pragma GCC unroll 6
-    for (int p = 0; p < D; ++p) {
-      a[p * D + p] = t[p][p];
-#pragma GCC unroll 6
-      for (int i = p + 1; i < D; ++i) {
-        a[p * D + i] = l[p][i];
-        a[i * D + p] = t[p][i];
-      }
-    }
-    return true;
-  } else {
-    const int d = d_;
-    for (int p = 0; p < d; ++p) {
-      double* column = a + p * d;
-      const double size = sign * column[p];
-      if (!(size > tiny * reference[p]) || !(size < infinity)) return false;
-      column[p] = 1.0 / column[p];
-      for (int i = p + 1; i < d; ++i) {
-        a[i * d + p] = column[i];
-        column[i] *= column[p];
-      }
-      for (int j = p + 1; j < d; ++j) subtract(a + j * d + j, column + j, a[j * d + p], d - j);
-    }
-    return true;
-  }
-}
+/// All of X := (LU)^-1 X, or only L^-1 X, or what then remains.
+enum class Half { both, first, second };
 
-/// As many columns of X := (LU)^-1 X as the tag has lanes, of which `count` are there: the chain of dependent
+/// As many columns of it as the tag has lanes, of which `count` are there: the chain of dependent
 /// operations is walked once for all of them.
-template <int D, class Tag>
+template <int D, Half H, class Tag>
 HWY_INLINE void solve_columns(Tag tag, const double* a, double* x, int d_, std::ptrdiff_t stride, int count) {
   using V = hn::VFromD<Tag>;
   const int d = D ? D : d_;
   V t[D ? D : largest_together];
   load_columns<D>(tag, x, d, stride, count, t);
+  if constexpr (H != Half::second) {
 #pragma GCC unroll 12
-  for (int p = 0; p < d; ++p)
+    for (int p = 0; p < d; ++p)
 #pragma GCC unroll 12
-    for (int i = p + 1; i < d; ++i) t[i] = hn::NegMulAdd(hn::Set(tag, a[p * d + i]), t[p], t[i]);
+      for (int i = p + 1; i < d; ++i) t[i] = hn::NegMulAdd(hn::Set(tag, a[p * d + i]), t[p], t[i]);
+  }
+  if constexpr (H != Half::first) {
 #pragma GCC unroll 12
-  for (int p = d - 1; p >= 0; --p) {
-    t[p] = hn::Mul(t[p], hn::Set(tag, a[p * d + p]));
+    for (int p = d - 1; p >= 0; --p) {
+      t[p] = hn::Mul(t[p], hn::Set(tag, a[p * d + p]));
 #pragma GCC unroll 12
-    for (int i = 0; i < p; ++i) t[i] = hn::NegMulAdd(hn::Set(tag, a[p * d + i]), t[p], t[i]);
+      for (int i = 0; i < p; ++i) t[i] = hn::NegMulAdd(hn::Set(tag, a[p * d + i]), t[p], t[i]);
+    }
   }
   store_columns<D>(tag, x, d, stride, count, t);
 }
 
-template <int D>
+/// One column of any dimension.
+template <Half H>
+void solve_large(const double* a, double* x, int d) {
+  if constexpr (H != Half::second)
+    for (int p = 0; p < d; ++p) subtract(x + p + 1, a + p * d + p + 1, x[p], d - p - 1);
+  if constexpr (H != Half::first)
+    for (int p = d - 1; p >= 0; --p) {
+      x[p] *= a[p * d + p];
+      subtract(x, a + p * d, x[p], p);
+    }
+}
+
+template <int D, Half H>
 void solve(const double* a, const int* rows, double* x, int d_, int n, std::ptrdiff_t stride) {
   const int d = D ? D : d_;
-  int exchanged = 0;
-  for (int p = 0; p < d; ++p) exchanged |= rows[p] ^ p;
-  if (HWY_UNLIKELY(exchanged != 0))
-    for (int c = 0; c < n; ++c)
-      for (int p = 0; p < d; ++p) std::swap(x[c * stride + p], x[c * stride + rows[p]]);
+  if constexpr (H == Half::both) {
+    int exchanged = 0;
+    for (int p = 0; p < d; ++p) exchanged |= rows[p] ^ p;
+    if (HWY_UNLIKELY(exchanged != 0))
+      for (int c = 0; c < n; ++c)
+        for (int p = 0; p < d; ++p) std::swap(x[c * stride + p], x[c * stride + rows[p]]);
+  }
   if (D == 0 && d > largest_together) {
-    for (int c = 0; c < n; ++c, x += stride) {
-      for (int p = 0; p < d; ++p) subtract(x + p + 1, a + p * d + p + 1, x[p], d - p - 1);
-      for (int p = d - 1; p >= 0; --p) {
-        x[p] *= a[p * d + p];
-        subtract(x, a + p * d, x[p], p);
-      }
-    }
+    for (int c = 0; c < n; ++c, x += stride) solve_large<H>(a, x, d);
     return;
   }
   constexpr int together = static_cast<int>(hn::MaxLanes(Together()));
   for (; n >= together; n -= together, x += together * stride)
-    solve_columns<D>(Together(), a, x, d, stride, together);
-  if (n == 1) solve_columns<D>(Single(), a, x, d, stride, 1);
+    solve_columns<D, H>(Together(), a, x, d, stride, together);
+  if (n == 1) solve_columns<D, H>(Single(), a, x, d, stride, 1);
   else if (together == 1) return;
-  else if (n == 2) solve_columns<D>(Pair(), a, x, d, stride, 2);
-  else if (n > 2) solve_columns<D>(Together(), a, x, d, stride, n);
+  else if (n == 2) solve_columns<D, H>(Pair(), a, x, d, stride, 2);
+  else if (n > 2) solve_columns<D, H>(Together(), a, x, d, stride, n);
 }
 
 template <int... I>
@@ -217,10 +170,12 @@ constexpr void fill_solves(Table& t, std::integer_sequence<int, I...>) {
 }
 template <int... I>
 constexpr void fill_by_dimension(Table& t, std::integer_sequence<int, I...>) {
-  t.factors = {&factor<I>...};
+  t.factors = {&factor<I <= max_fixed ? I : 0>...};
   t.definite_factors = {&factor_definite<I>...};
-  t.solves = {&solve<I>...};
-  t.also_solve = &solve<also_fixed>;
+  t.halves = {&halve<I>...};
+  t.solves = {&solve<I, Half::both>...};
+  t.first_solves = {&solve<I, Half::first>...};
+  t.second_solves = {&solve<I, Half::second>...};
 }
 
 constexpr Table make_table() {
@@ -228,7 +183,7 @@ constexpr Table make_table() {
   fill(t, std::make_integer_sequence<int, max_rows + 1>{});
   fill_rows_of_blocks(t, std::make_integer_sequence<int, max_spread>{});
   fill_solves(t, std::make_integer_sequence<int, max_equal>{});
-  fill_by_dimension(t, std::make_integer_sequence<int, max_fixed + 1>{});
+  fill_by_dimension(t, std::integer_sequence<int, 0, 1, 2, 3, 4, 5, 6, also_fixed>{});
   return t;
 }
 constexpr Table here = make_table();

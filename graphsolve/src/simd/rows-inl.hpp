@@ -45,6 +45,12 @@ struct Rows {
     head = hn::NegMulAdd(a.head, hn::Set(Tag(), s), head);
     tail.subtract(a.tail, s);
   }
+  [[nodiscard]] HWY_INLINE Rows times(double s) const {
+    Rows r;
+    r.head = hn::Mul(head, hn::Set(Tag(), s));
+    r.tail = tail.times(s);
+    return r;
+  }
   /// this -= a b, number by number
   HWY_INLINE void subtract_each(const Rows& a, const Rows& b) {
     head = hn::NegMulAdd(a.head, b.head, head);
@@ -57,6 +63,7 @@ struct Rows<0> {
   HWY_INLINE static Rows load(const double*) { return {}; }
   HWY_INLINE void store(double*) const {}
   HWY_INLINE void subtract(const Rows&, double) {}
+  [[nodiscard]] HWY_INLINE Rows times(double) const { return {}; }
   HWY_INLINE void subtract_each(const Rows&, const Rows&) {}
 };
 
