@@ -23,14 +23,14 @@ using namespace graphsolve;
 using families::Family;
 using families::Spec;
 
-double unit = 0;  ///< measured first [s]
-
 void setup(benchmark::State& state, const Spec& spec, OrderingMethod method) {
   const BlockGraph graph = families::make_graph(spec);
   std::vector<double> ordering_times, symbolic_times, both;
   Ordering ordering;
   std::optional<Symbolic> symbolic;
+  bench::Units units;
   for (auto _ : state) {
+    units.measure();
     symbolic.reset();
     const double begin = bench::thread_time();
     ordering = make_ordering(graph, method);
@@ -47,7 +47,7 @@ void setup(benchmark::State& state, const Spec& spec, OrderingMethod method) {
   state.counters["nodes"] = graph.size();
   state.counters["ordering_us"] = per_node * bench::median(ordering_times);
   state.counters["symbolic_us"] = per_node * bench::median(symbolic_times);
-  state.counters["us_ref"] = per_node * bench::median(both) * bench::reference_unit / unit;
+  state.counters["us_ref"] = per_node * bench::median(both) / units.slowness();
   state.counters["bytes"] = static_cast<double>(counts.memory) / graph.size();
   state.counters["operations"] = static_cast<double>(counts.operations) / graph.size();
   state.counters["fill"] = families::fill_factor(*symbolic);
@@ -66,7 +66,7 @@ void add(const std::string& name, const Spec& spec, OrderingMethod method) {
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  unit = bench::set_up();
+  (void)bench::set_up();
   for (const Family family : families::all_families())
     for (const int n : {1000, 10'000}) {
       const Spec spec{.family = family, .n = n};

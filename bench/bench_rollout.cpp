@@ -17,8 +17,6 @@ namespace {
 
 using namespace physics;
 
-double unit = 0;  ///< measured first [s]
-
 void batch(benchmark::State& state, const std::string& spec, int steps) {
   const int lanes = static_cast<int>(state.range(0));
   const Mechanism scene = built_in_scene(spec);
@@ -26,7 +24,9 @@ void batch(benchmark::State& state, const std::string& spec, int steps) {
   long long env_steps = 0, iterations = 0;
   int failed = 0;
   PhaseTimes phases;
+  bench::Units units;
   for (auto _ : state) {
+    units.measure();
     BatchSimulator simulator(scene, lanes);
     for (int lane = 0; lane < lanes; ++lane) {
       Mechanism copy = scene;
@@ -50,7 +50,7 @@ void batch(benchmark::State& state, const std::string& spec, int steps) {
     state.SetIterationTime(spent);
   }
   const auto n = static_cast<double>(env_steps);
-  state.counters["env_steps_per_s_ref"] = n / time * unit / bench::reference_unit;
+  state.counters["env_steps_per_s_ref"] = n / time * units.slowness();
   state.counters["env_steps_per_s"] = n / time;
   state.counters["prepare"] = 1e9 * phases.prepare / n;
   state.counters["evaluate"] = 1e9 * phases.evaluate / n;
@@ -66,7 +66,7 @@ void batch(benchmark::State& state, const std::string& spec, int steps) {
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
-  unit = bench::set_up();
+  (void)bench::set_up();
   const auto add = [](const char* name, const char* spec, int steps) {
     benchmark::RegisterBenchmark(name, batch, spec, steps)
         ->Arg(1)->Arg(8)->Arg(16)->Arg(64)->UseManualTime()->Unit(benchmark::kMillisecond);

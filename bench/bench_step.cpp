@@ -21,10 +21,9 @@ namespace {
 
 using namespace physics;
 
-double unit = 0;  ///< measured first [s]
-
 struct Measurement {
   std::vector<double> steps;  ///< [s]
+  bench::Units units;
   double time = 0;            ///< of all of them [s]
   long long iterations = 0;
   int failed = 0;
@@ -51,7 +50,7 @@ void measure(const std::string& spec, int steps, Measurement& sum) {
 }
 
 void report(benchmark::State& state, Measurement sum) {
-  const double us = 1e6 * bench::median(sum.steps), scaled = bench::reference_unit / unit;
+  const double us = 1e6 * bench::median(sum.steps), scaled = 1 / sum.units.slowness();
   std::sort(sum.steps.begin(), sum.steps.end());
   const std::size_t n = sum.steps.size();
   state.counters["us"] = us;
@@ -67,6 +66,7 @@ void report(benchmark::State& state, Measurement sum) {
 void step(benchmark::State& state, const std::string& spec, int steps) {
   Measurement sum;
   for (auto _ : state) {
+    sum.units.measure();
     const double before = sum.time;
     measure(spec, steps, sum);
     state.SetIterationTime(sum.time - before);
@@ -84,6 +84,7 @@ void sliding_at_small_steps(benchmark::State& state) {
   coarse.write_record(middle);
   Measurement sum;
   for (auto _ : state) {
+    sum.units.measure();
     SimulatorSettings settings;
     settings.tolerance = 1e-6;
     settings.time_step = 1e-5;
@@ -117,6 +118,7 @@ void scaling(benchmark::State& state, const std::string& name, const std::string
   const std::string spec = name + ":" + parameter + "=" + std::to_string(size);
   Measurement sum;
   for (auto _ : state) {
+    sum.units.measure();
     const double before = sum.time;
     measure(spec, 60, sum);  // the same fall, impact and slide at every size
     state.SetIterationTime(sum.time - before);
@@ -138,7 +140,7 @@ void add(const std::string& name, const std::string& spec, int steps) {
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  unit = bench::set_up();
+  (void)bench::set_up();
   // Dropped, sliding and coming to rest. The bars: 150 us and 45 us.
   add("step/snake n=100", "snake:n=100", 100);
   add("step/disc c=100", "disc:c=100", 100);

@@ -26,8 +26,8 @@ inline double median(std::vector<double> values) {
   return *middle;
 }
 
-/// Measures the unit: median of 101 passes over the 256 matrices [s].
-inline double measure_unit() {
+/// Measures the unit: median of so many passes over the 256 matrices [s].
+inline double measure_unit(int count = 101) {
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   std::vector<Matrix6> matrices;
@@ -39,7 +39,7 @@ inline double measure_unit() {
   const Vector6 right = Vector6::Ones();
   volatile double sink = 0;
   std::vector<double> passes;
-  for (int pass = 0; pass < 101; ++pass) {
+  for (int pass = 0; pass < count; ++pass) {
     const double begin = thread_time();
     double sum = 0;
     for (const Matrix6& matrix : matrices) sum += Eigen::LDLT<Matrix6>(matrix).solve(right)[0];
@@ -48,5 +48,16 @@ inline double measure_unit() {
   }
   return median(std::move(passes));
 }
+
+/// The unit beside each repetition of a benchmark: a machine that others use too changes its pace within seconds.
+class Units {
+ public:
+  void measure() { seconds_.push_back(measure_unit(11)); }
+  /// How many times as long the unit takes here as on the machine of the bars.
+  [[nodiscard]] double slowness() const { return median(seconds_) / reference_unit; }
+
+ private:
+  std::vector<double> seconds_;
+};
 
 }  // namespace bench
