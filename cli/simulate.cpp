@@ -111,6 +111,7 @@ int number_of_steps(const Options& options, const SceneSource& source) {
 physics::Simulator make_simulator(const SceneSource& source, const Options& options) {
   physics::SimulatorSettings settings;
   settings.tolerance = options.tolerance;
+  settings.time_phases = true;
   try {
     return physics::Simulator(source.trajectory.mechanism, settings);
   } catch (const DescriptionError& error) {

@@ -44,14 +44,13 @@ const BodyAtOctet* Bodies::octet_of_all(std::span<const int, graphsolve::simd::l
 
 void Bodies::reserve(int bodies) {
   const auto each = [&](auto&... lists) { (lists.reserve(bodies), ...); };
-  each(node_, row, now, next, known_linear, known_angular, mass, inertia);
+  each(node_, row, now, known_linear, known_angular, mass, inertia);
 }
 
 void Bodies::add(const RigidBody& body, graphsolve::NodeId node) {
   node_.push_back(node);
   row.push_back(-1);
   now.emplace_back();
-  next.emplace_back();
   known_linear.emplace_back(Vec3::Zero());
   known_angular.emplace_back(Vec3::Zero());
   mass.push_back(body.mass);
@@ -84,7 +83,6 @@ void Bodies::evaluate(graphsolve::Instances instances, std::span<const double> x
       const int i = body_at_[place];
       task.velocity[lane] = x.data() + row[i];
       task.now[lane] = now[i].x.data();
-      task.next[lane] = next[i].x.data();
       task.known_linear[lane] = known_linear[i].data();
       task.known_angular[lane] = known_angular[i].data();
       task.residual[lane] = residual.data() + row[i];

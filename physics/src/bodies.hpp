@@ -28,11 +28,12 @@ static_assert(sizeof(NextPose) == 25 * sizeof(double));
 
 /// The dynamics of all bodies, 6 rows each (eq. 12a without forces):
 ///   m v' - (m v + dt (m g + F)),   p+(w') - (p-(w) + dt tau).
-/// The one owner of the poses during a step: `now` is z_{k+1}, known; `next` is z_{k+2} at the present iterate,
-/// and joints and contacts read it there.
+/// The one owner of the poses during a step: `now` is z_{k+1}, known; z_{k+2} at the present iterate lies in octets, where
+/// joints and contacts read it.
 class Bodies final : public graphsolve::Term {
  public:
   static constexpr double largest_turn = 1.98;  ///< bound on |w| dt
+  static constexpr int nothing = -2;  ///< instead of a body, where there is none; -1 is the world
 
   void reserve(int bodies);
   void add(const RigidBody& body, graphsolve::NodeId node);
@@ -43,23 +44,52 @@ class Bodies final : public graphsolve::Term {
   std::vector<double> mass;
   std::vector<Mat3> inertia;
   std::vector<Pose> now;
-  std::vector<NextPose> next;
   std::vector<Vec3> known_linear, known_angular;  ///< momentum before the step plus impulse of loads
   std::vector<int> row;                           ///< of the velocity (v', w') among the unknowns
   double dt = 0;
-  bool force_at_next = false;  ///< directions of constraint forces are taken at `next` instead of `now`
+  bool force_at_next = false;  ///< directions of constraint forces are taken at z_{k+2} instead of `now`
 
   /// The world's pose, for joints; never changes.
   NextPose world_pose;
   [[nodiscard]] const Pose& pose_now(int body) const { return body < 0 ? static_cast<const Pose&>(world_pose) : now[body]; }
-  [[nodiscard]] const NextPose& pose_next(int body) const { return body < 0 ? world_pose : next[body]; }
+  /// At the present iterate, once it was evaluated.
+  [[nodiscard]] NextPose pose_next(int body) const {
+    if (body < 0) return world_pose;
+    NextPose pose;
+    copy_next(body, pose.x.data(), BodyAtOctet::numbers);
+    return pose;
+  }
+  /// Copies of such poses, for kernels whose items do not lie in the lanes of their bodies.
+  class NextRoom {
+   public:
+    explicit NextRoom(const Bodies& bodies) : bodies_(bodies) {}
+    /// The numbers of this pose; lane by lane.
+    const double* at(int lane, int body) {
+      if (body == last_) return numbers_;
+      last_ = body;
+      if (body < 0) return numbers_ = bodies_.world_pose.x.data();
+      bodies_.copy_next(body, room_[lane], BodyAtOctet::numbers);
+      return numbers_ = room_[lane];
+    }
+
+   private:
+    const Bodies& bodies_;
+    int last_ = nothing;
+    const double* numbers_ = nullptr;
+    double room_[graphsolve::simd::lanes][BodyAtOctet::numbers];
+  };
+  /// `now` becomes that at the present iterate, with the rotation of any state that is set: the same bits again.
+  void commit(int body) {
+    Pose pose;
+    copy_next(body, pose.x.data(), 7);
+    place(body, pose.x, pose.q);
+  }
   void place(int i, const Vec3& x, const Quat& q) {  ///< sets `now`
     now[i].x = x;
     if (now[i].q.coeffs() == q.coeffs()) return;
     now[i].q = q;
     now[i].rotation = q.toRotationMatrix();
   }
-  static constexpr int nothing = -2;  ///< instead of a body, where there is none; -1 is the world
   /// The octet whose lanes hold just these bodies, lane by lane (or `nothing`), at the present iterate; null if there
   /// is none. Once they are wired.
   [[nodiscard]] const BodyAtOctet* octet_of_all(std::span<const int, graphsolve::simd::lanes> body) const;
@@ -81,6 +111,10 @@ class Bodies final : public graphsolve::Term {
   void differentiate(std::span<const double> x, const StepStart& start, Sensitivity& out) const;
 
  private:
+  void copy_next(int body, double* to, int count) const {
+    const Octet* pose = at_[octet_of(place_[body])].pose;
+    for (int k = 0, lane = lane_of(place_[body]); k < count; ++k) to[k] = pose[k][lane];
+  }
   std::vector<graphsolve::NodeId> node_;
   void set_octet(int i);
   BodyKernel kernel_ = nullptr;

@@ -23,8 +23,9 @@ void Bodies::differentiate(std::span<const double> x, const StepStart& start, Se
   for (int i = 0; i < size(); ++i) {
     const Vec3 v2 = Eigen::Map<const Vec3>(x.data() + row[i]), w2 = Eigen::Map<const Vec3>(x.data() + row[i] + 3);
     const Vec3 &v = start.v[i], &w = start.w[i];
-    out.carry[i].noalias() = next[i].rotation.transpose() * now[i].rotation;
-    out.turn[i] = next[i].turn;
+    const NextPose next = pose_next(i);
+    out.carry[i].noalias() = next.rotation.transpose() * now[i].rotation;
+    out.turn[i] = next.turn;
     out.pose[i].setZero();
     out.velocity[i].setZero();
     out.velocity[i].diagonal().head<3>().setConstant(-mass[i]);

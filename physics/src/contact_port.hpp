@@ -15,6 +15,13 @@ struct ContactResponse {
   double slip_speed = 0;           ///< before the step, where t1 follows the slip; 0: t1 is constant
 };
 
+/// How a contact stands before a step: of the material point that is lowest.
+struct Approach {
+  double distance = 0;  ///< [m]
+  double speed = 0;     ///< along the normal [m/s]
+  double slip[2] = {};  ///< along the tangents [m/s]
+};
+
 /// A sphere on a body against a plane. Port supplies point() (body frame), normal(), plane_offset() = n . o, radius().
 template <class Port>
 class PlanePoint {
@@ -79,6 +86,15 @@ class ContactPort : public PlanePoint<ContactPort<Rows>> {
 
   /// Force directions: before a step at `now`.
   void prepare() { prepare(bodies_->now[body_]); }
+  /// At `now`; velocity: the unknowns of the last step.
+  [[nodiscard]] Approach approach(std::span<const double> velocity) const {
+    const Pose& pose = bodies_->now[body_];
+    const Eigen::Map<const Vec3> v(velocity.data() + row_), w(velocity.data() + row_ + 3);
+    const Vec3 arm = this->world_arm(pose), u = v + (pose.rotation * w).cross(arm);
+    Approach a{g_.normal.dot(pose.x + arm) - g_.offset, g_.normal.dot(u), {}};
+    for (int t = 0; t < rows - 1; ++t) a.slip[t] = g_.tangent[t].dot(u);
+    return a;
+  }
   void prepare(const Pose& pose) {
     const Vec3 p = this->contact_point(pose);
     g_.lever[0] = p.cross(pose.rotation.transpose() * g_.normal);
@@ -86,7 +102,7 @@ class ContactPort : public PlanePoint<ContactPort<Rows>> {
   }
 
   void evaluate(std::span<const double> x, double* u) {
-    const NextPose& next = bodies_->next[body_];
+    const NextPose next = bodies_->pose_next(body_);
     if (bodies_->force_at_next) prepare(next);
     const Vec3 local = next.rotation.transpose() * g_.normal;
     rate_normal_.noalias() = next.turn.transpose() * g_.point.cross(local);

@@ -49,7 +49,7 @@ void Contacts::add(const Contact& contact, int source, int body) {
     entry.index = any_.add(port(std::integral_constant<int, 3>{}), PyramidLaw<0>(1, 1, 1, contact.directions));
   }
   entry.saved = static_cast<int>(saved_.size());
-  saved_.resize(saved_.size() + (entry.batch == Batch::none ? 1 : 1 + contact.directions));
+  if (entry.batch != Batch::four) saved_.resize(saved_.size() + (entry.batch == Batch::none ? 1 : 4 + contact.directions));
   contacts_.push_back(entry);
 }
 
@@ -90,27 +90,18 @@ void Contacts::register_with(graphsolve::Problem& problem) {
 Contacts::Reach Contacts::prepare(int lane, std::span<const double> velocity, const Step& step) {
   Reach reach;
   const double fall = 2 * step.gravity.norm() * step.dt;
-  int body = -1;
-  Vec3 v = Vec3::Zero(), w = Vec3::Zero();  // of the body, world
   each_entry(lane, [&](Entry& entry) {
     entry.loaded = entry.active;
     entry.turned = false;
     entry.slip_speed = 0;
     visit(entry, [&](auto&& port, auto&& law) {
-      const Pose& pose = bodies_.now[port.body()];
-      if (port.body() != body) {
-        body = port.body();
-        const double* x = velocity.data() + bodies_.row[body];
-        v = Eigen::Map<const Vec3>(x);
-        w = pose.rotation * Eigen::Map<const Vec3>(x + 3);
-      }
-      const Vec3 arm = port.world_arm(pose), u = v + w.cross(arm);  // of the material point
-      const double vn = port.normal().dot(u);
-      const double distance = port.normal().dot(pose.x + arm) - port.plane_offset();
-      reach.smallest_distance = std::min(reach.smallest_distance, distance);
+      Approach a;
+      if constexpr (std::is_same_v<std::decay_t<decltype(port)>, PyramidPort>) a = port.approach();
+      else a = port.approach(velocity);
+      reach.smallest_distance = std::min(reach.smallest_distance, a.distance);
       // Cannot be reached: even after two steps of free fall and a quarter more speed there is a gap left.
-      entry.active = !step.cull || !(distance / step.dt + vn - fall - 0.25 * std::abs(vn) > reach_margin);
-      if (entry.active) prepare_entry(entry, port, law, u, step);
+      entry.active = !step.cull || !(a.distance / step.dt + a.speed - fall - 0.25 * std::abs(a.speed) > reach_margin);
+      if (entry.active) prepare_entry(entry, port, law, a, step);
     });
     if (entry.active) ++reach.active;
   });
@@ -118,11 +109,13 @@ Contacts::Reach Contacts::prepare(int lane, std::span<const double> velocity, co
 }
 
 template <class PortType, class Law>
-void Contacts::prepare_entry(Entry& entry, PortType& port, Law& law, const Vec3& u, const Step& step) {
+void Contacts::prepare_entry(Entry& entry, PortType& port, Law& law, const Approach& a, const Step& step) {
   if constexpr (PortType::rows == 3) {
     if (!entry.loaded) law.clear();
     // A contact without a history is expected to slip the way gravity pulls.
-    if (entry.aligned) align(entry, port, law, entry.loaded ? u : Vec3(u + step.dt * step.gravity));
+    const auto slip = [&](double u, auto&& tangent) { return entry.loaded ? u : u + step.dt * tangent().dot(step.gravity); };
+    if (entry.aligned)
+      align(entry, port, law, slip(a.slip[0], [&] { return port.tangent1(); }), slip(a.slip[1], [&] { return port.tangent2(); }));
     if (step.force_factor != 1) law.scale_impulses(step.force_factor);
   } else {
     law.set_force(entry.loaded ? law.force() * step.force_factor : 0);
@@ -130,10 +123,10 @@ void Contacts::prepare_entry(Entry& entry, PortType& port, Law& law, const Vec3&
   if (entry.batch != Batch::four) port.prepare();  // those make their levers eight at a time
 }
 
-/// Turns t1 against the slip, so that sliding friction lies along one facet.
+/// Turns t1 against the slip (u1, u2), so that sliding friction lies along one facet.
 template <class PortType, class Law>
-void Contacts::align(Entry& entry, PortType& port, Law& law, const Vec3& u) {
-  const double u1 = port.tangent1().dot(u), u2 = port.tangent2().dot(u), speed = std::sqrt(u1 * u1 + u2 * u2);
+void Contacts::align(Entry& entry, PortType& port, Law& law, double u1, double u2) {
+  const double speed = std::sqrt(u1 * u1 + u2 * u2);
   double f[2];
   law.friction_impulse(f);
   const double force = std::sqrt(f[0] * f[0] + f[1] * f[1]);
@@ -169,7 +162,7 @@ int Contacts::put_back(int lane) {
   each_entry(lane, [&](Entry& entry) {
     if (entry.active) return;
     visit(entry, [&](auto&& port, auto&& law) {
-      if (!(port.distance(bodies_.next[port.body()]) < broken_through)) return;
+      if (!(port.distance(bodies_.pose_next(port.body())) < broken_through)) return;
       entry.active = true;
       if constexpr (std::decay_t<decltype(port)>::rows == 3) law.clear();
       else law.set_force(0);
@@ -196,91 +189,6 @@ double Contacts::smallest_distance(int lane) const {
                         }));
   });
   return smallest;
-}
-
-void Contacts::clear(int lane) {
-  each_entry(lane, [](Entry& entry) { entry.active = entry.loaded = false; });
-}
-
-void Contacts::save(int lane) {
-  each_entry(lane, [&](Entry& entry) {
-    entry.saved_active = entry.active;
-    visit(entry, [&](const auto& port, const auto& law) {
-      double* impulse = saved_.data() + entry.saved;
-      if constexpr (std::decay_t<decltype(port)>::rows == 3) {
-        entry.saved_tangent = port.tangent1();
-        if (!entry.active) return;
-        *impulse++ = law.normal_impulse();
-        for (int i = 0; i < law.facets(); ++i) *impulse++ = law.facet_impulse(i);
-      } else {
-        *impulse = law.force();
-      }
-    });
-  });
-}
-
-void Contacts::recall(int lane) {
-  each_entry(lane, [&](Entry& entry) {
-    entry.active = entry.saved_active;
-    visit(entry, [&](auto&& port, auto&& law) {
-      const double* impulse = saved_.data() + entry.saved;
-      if constexpr (std::decay_t<decltype(port)>::rows == 3) {
-        port.set_tangent(entry.saved_tangent);
-        if (entry.active) law.set_impulses(impulse[0], {impulse + 1, static_cast<std::size_t>(law.facets())});
-      } else {
-        law.set_force(*impulse);
-      }
-    });
-  });
-}
-
-void Contacts::load_record(int lane, std::span<const ContactRecord> records, double impulse_time) {
-  each_entry(lane, [&](Entry& entry) {
-    const ContactRecord& record = records[entry.source];
-    visit(entry, [&](auto&& port, auto&& law) {
-      entry.active = record.normal_force > 0;
-      if constexpr (std::decay_t<decltype(port)>::rows == 3) {
-        if (entry.aligned && record.tangent) port.set_tangent(*record.tangent);
-        if (static_cast<int>(record.facet_forces.size()) != law.facets()) {
-          entry.active = false;
-          return;
-        }
-        facet_impulses_.assign(record.facet_forces.begin(), record.facet_forces.end());
-        for (double& impulse : facet_impulses_) impulse *= impulse_time;
-        law.set_impulses(record.normal_force * impulse_time, facet_impulses_);
-      } else {
-        law.set_force(record.normal_force * impulse_time);
-      }
-    });
-  });
-}
-
-void Contacts::write_record(int lane, std::span<ContactRecord> records, double impulse_time) const {
-  for (std::size_t i = 0; i < world_contacts_.size(); ++i) {
-    records[world_contacts_[i]] = {};
-    records[world_contacts_[i]].distance = world_distance_[lane * world_contacts_.size() + i];
-  }
-  each_entry(lane, [&](const Entry& entry) {
-    ContactRecord& record = records[entry.source];
-    visit(entry, [&](const auto& port, const auto& law) {
-      const bool pressed = entry.active && impulse_time > 0;
-      record.distance = port.distance(bodies_.now[port.body()]);
-      record.normal_force = 0;
-      record.friction_force.setZero();
-      if constexpr (std::decay_t<decltype(port)>::rows == 3) {
-        record.facet_forces.assign(law.facets(), 0.0);
-        if (entry.aligned) record.tangent = port.tangent1();
-        if (!pressed) return;
-        record.normal_force = law.normal_impulse() / impulse_time;
-        double t[2];
-        law.friction_impulse(t);
-        record.friction_force = (t[0] * port.tangent1() + t[1] * port.tangent2()) / impulse_time;
-        for (int i = 0; i < law.facets(); ++i) record.facet_forces[i] = law.facet_impulse(i) / impulse_time;
-      } else if (pressed) {
-        record.normal_force = law.force() / impulse_time;
-      }
-    });
-  });
 }
 
 }  // namespace physics

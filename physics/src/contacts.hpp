@@ -42,7 +42,9 @@ class Contacts {
     int active = 0;
     double smallest_distance = std::numeric_limits<double>::infinity();  ///< [m]
   };
-  /// Before a step: distances, culling, tangents, force directions. velocity: the unknowns (v, w) of the last step.
+  /// Before a step, of all lanes: distances and velocities. velocity: the unknowns (v, w) of the last step.
+  void look(std::span<const double> velocity) { four_.look(velocity); }
+  /// After that: culling, tangents, force directions.
   Reach prepare(int lane, std::span<const double> velocity, const Step& step);
   /// After a solve: puts back culled contacts that the step broke through. Returns how many.
   int put_back(int lane);
@@ -58,8 +60,8 @@ class Contacts {
   void write_record(int lane, std::span<ContactRecord> records, double impulse_time) const;
   /// After the state was set from outside, and before a failed step is tried again: no contact remembers a force.
   void clear(int lane);
-  /// Keeps forces and friction bases, or goes back to those that were kept.
-  void save(int lane);
+  /// Keeps forces and friction bases of these lanes (the others' are lost), or goes back to those that were kept.
+  void save(std::span<const int> lanes);
   void recall(int lane);
   /// Takes up forces and friction bases of a record; impulse_time: of the step that made them [s].
   void load_record(int lane, std::span<const ContactRecord> records, double impulse_time);
@@ -74,9 +76,8 @@ class Contacts {
     bool active = false;
     bool loaded = false;  ///< its law remembers forces of the step before
     bool turned = false;  ///< its basis turned to the slip before this step
-    int saved = -1;             ///< place of its impulses in saved_: normal, facets
+    int saved = -1;  ///< place in saved_: tangent, impulses along the normal and the facets; four facets keep their own
     bool saved_active = false;
-    Vec3 saved_tangent = Vec3::Zero();
     double slip_speed = 0;  ///< then, and before steps whose slip kept the basis [m/s]; 0: it does not follow the slip
   };
   template <class F>
@@ -89,9 +90,9 @@ class Contacts {
   void each_entry(int lane, F&& f) const;
   void add(const Contact& contact, int source, int body);
   template <class PortType, class Law>
-  void prepare_entry(Entry& entry, PortType& port, Law& law, const Vec3& u, const Step& step);
+  void prepare_entry(Entry& entry, PortType& port, Law& law, const Approach& approach, const Step& step);
   template <class PortType, class Law>
-  void align(Entry& entry, PortType& port, Law& law, const Vec3& u);
+  void align(Entry& entry, PortType& port, Law& law, double u1, double u2);
 
   Bodies& bodies_;
   Interleaving side_by_side_;

@@ -10,7 +10,8 @@ template <int Rows>
 void ContactPort<Rows>::differentiate(std::span<const double> x, const ContactResponse<Rows>& response,
                                       const StepStart& start, Sensitivity& out) const {
   using Columns = Eigen::Matrix<double, 6, Rows>;
-  const Pose &now = bodies_->now[body_], &next = bodies_->next[body_];
+  const Pose& now = bodies_->now[body_];
+  const NextPose next = bodies_->pose_next(body_);
   const Eigen::Map<const Vec3> w2(x.data() + row_ + 3);
   const Mat3 to_body = now.rotation.transpose();
   const Vec3 p = this->contact_point(now), n = to_body * g_.normal, n2 = next.rotation.transpose() * g_.normal;

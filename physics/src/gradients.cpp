@@ -55,7 +55,7 @@ StepGradient::Impl::Impl(Simulator::Impl& owner, const GradientSettings& options
       sensitivity(owner.bodies.size(), owner.joints.size(), owner.contacts->size_of_lane()),
       x(owner.unknowns),
       unknowns(owner.unknowns),
-      next(owner.bodies.next),
+      next(owner.bodies.size()),
       row(owner.bodies.row),
       adjoint(owner.unknowns),
       solutions(static_cast<Eigen::Index>(owner.unknowns.size()), pass_columns),
@@ -118,7 +118,7 @@ GradientStatus StepGradient::Impl::evaluate() {
     s.joints.differentiate(x, sensitivity);
     s.contacts->differentiate(only, x, start, settings.friction_basis == FrictionBasis::following, stiffness,
                               sensitivity);
-    next = s.bodies.next;
+    for (int i = 0; i < s.bodies.size(); ++i) next[i] = s.bodies.pose_next(i);
     ready = true;
   }
   s.solver->restore_laws();

@@ -272,31 +272,6 @@ void Joints::prepare(int i, double end_time, double impulse_time) {
   m.impulse_time[lane] = impulse_time;
 }
 
-void Joints::aim() {
-  aim(to_aim_, false);
-  to_aim_.clear();
-}
-
-void Joints::aim(std::span<const int> joints, bool at_next) {
-  const auto pose = [&](int body) -> const Pose& { return at_next ? bodies_.pose_next(body) : bodies_.pose_now(body); };
-  groups_.each(joints, 0, [&](int i) { return joints_[i].place; }, [&](int octet, unsigned used) {
-    JointTask task = task_of(octet, used);
-    each_lane(octet, used, [&](int lane, int place) {
-      const JointGeometry& g = joints_[joint_at_[place]].geometry;
-      task.parent[lane] = pose(g.parent).x.data();
-      task.child[lane] = pose(g.child).x.data();
-    });
-    kernels_.aim(task);
-  });
-  for (const int i : joints) {
-    Joint& joint = joints_[i];
-    const JointGeometry& g = joint.geometry;
-    const Pose &child = pose(g.child), &recorded = g.child >= 0 ? child : pose(g.parent);
-    joint.force_orientation = recorded.q;
-    joint.force_arm = child.x + child.rotation * g.child_point - recorded.x;
-  }
-}
-
 void Joints::reset_coordinate(int i) {
   Joint& joint = joints_[i];
   if (!joint.motor) return;

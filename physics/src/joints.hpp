@@ -68,6 +68,7 @@ class Joints final : public graphsolve::Term {
   [[nodiscard]] int row(int i) const { return joints_[i].row; }
   [[nodiscard]] int rows(int i) const { return physics::rows_of(joints_[i].kind); }
   [[nodiscard]] bool has_motor(int i) const { return joints_[i].motor != nullptr; }
+  [[nodiscard]] bool any_motor() const { return !motors_.empty(); }
   [[nodiscard]] int translation_rows(int i) const { return translations(joints_[i].kind); }
   /// Largest constraint violation between two poses [m, rad].
   [[nodiscard]] double error(int i, const Pose& parent, const Pose& child) const;
@@ -107,7 +108,12 @@ class Joints final : public graphsolve::Term {
   void move_to(std::span<const int> places);
   void find_blocks(const graphsolve::Wiring& wiring);
   void find_neighbours();
-  void aim(std::span<const int> joints, bool at_next);
+  void aim_at_next(std::span<const int> joints);
+  static void keep_arm(Joint& joint, const Pose& parent, const Pose& child);
+  struct NextRoom {
+    Bodies::NextRoom parents, children;
+  };
+  void point_at_next(JointTask& task, int octet, NextRoom& room) const;
   void evaluate_octet(int octet, unsigned used, std::span<const double> x, std::span<double> residual, double* values);
   void add_forces(int i, std::span<const double> x, std::span<double> residual, double* values);
   struct DirectionDerivative;

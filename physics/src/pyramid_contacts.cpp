@@ -101,6 +101,7 @@ void PyramidContacts::find_lane_places(const graphsolve::Wiring& wiring) {
       places.row[lane] = wiring.row(seats_[i].node);
       places.component[lane] = wiring.component(seats_[i].node);
     });
+    places.used = used;
     places.side_by_side = used == 0xffu;
     for (int l = 1; l < graphsolve::simd::lanes; ++l)
       if (places.component[l] != places.component[0] + l) places.side_by_side = false;
@@ -146,15 +147,35 @@ void PyramidContacts::give(const ContactTask& task, int octet, F&& f) const {
   }
 }
 
-void PyramidContacts::point_at_poses(ContactTask& task, int octet) const {
+/// At the present iterate: a whole octet, or copies in `room`.
+void PyramidContacts::point_at_poses(ContactTask& task, int octet, Bodies::NextRoom& room) const {
   task.bodies = beside_[octet];
   if (task.bodies) return;
-  each_contact(octet, task.used, [&](int lane, int i) { task.pose[lane] = bodies_.next[seats_[i].body].x.data(); });
+  each_contact(octet, task.used, [&](int lane, int i) { task.pose[lane] = room.at(lane, seats_[i].body); });
 }
 
 template <class T>
 void PyramidContacts::point_at_rows(T** to, int octet, T* x) const {
   for (int l = 0; l < graphsolve::simd::lanes; ++l) to[l] = x + lane_places_[octet].row[l];
+}
+
+void PyramidContacts::look(std::span<const double> velocity) {
+  for (int octet = 0; octet < static_cast<int>(octets_.size()); ++octet) {
+    ContactTask task;
+    task.octet = &octets_[octet];
+    task.used = lane_places_[octet].used;
+    task.one_body = one_body_[octet] != 0;
+    each_contact(octet, task.used, [&](int lane, int i) { task.pose[lane] = bodies_.now[seats_[i].body].x.data(); });
+    point_at_rows(task.x, octet, velocity.data());
+    kernels_.look(task);
+  }
+}
+
+void PyramidContacts::save() {
+  for (ContactOctet& o : octets_) {
+    std::ranges::copy_n(o.z, std::ssize(o.saved_z), o.saved_z);
+    std::ranges::copy(o.tangent[0], o.saved_tangent);
+  }
 }
 
 void PyramidContacts::remember(Instances instances, double factor) {
@@ -170,14 +191,15 @@ void PyramidContacts::restore(Instances instances) {
 
 /// With force directions at the new configuration the arms change with it.
 void PyramidContacts::aim_at_next(std::span<const int> contacts) {
-  for (const int i : contacts) port(i).prepare(bodies_.next[seats_[i].body]);
+  for (const int i : contacts) port(i).prepare(bodies_.pose_next(seats_[i].body));
 }
 
 void PyramidContacts::start_warm(Instances instances, std::span<const double> x, std::span<const double> mu,
                                  std::span<const double> scale) {
   if (bodies_.force_at_next) aim_at_next(instances.index);
   each_octet(instances, [&](ContactTask& task, int octet) {
-    point_at_poses(task, octet);
+    Bodies::NextRoom room(bodies_);
+    point_at_poses(task, octet, room);
     point_at_rows(task.x, octet, x.data());
     take(task.first, task, octet, mu);
     take(task.second, task, octet, scale);
@@ -196,7 +218,8 @@ void PyramidContacts::evaluate(Instances instances, std::span<const double> x, s
                                std::span<const double> scale, std::span<double> error, std::span<double> product) {
   if (bodies_.force_at_next) aim_at_next(instances.index);
   each_octet(instances, [&](ContactTask& task, int octet) {
-    point_at_poses(task, octet);
+    Bodies::NextRoom room(bodies_);
+    point_at_poses(task, octet, room);
     point_at_rows(task.x, octet, x.data());
     point_at_rows(task.rows, octet, residual.data());
     take(task.second, task, octet, scale);

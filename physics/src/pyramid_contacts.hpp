@@ -23,6 +23,8 @@ class PyramidLane : public PyramidImpulses<PyramidLane> {
   [[nodiscard]] double friction() const { return octet_->friction[lane_]; }
   [[nodiscard]] double scale() const { return octet_->scale[lane_]; }
   [[nodiscard]] static const std::array<double, 2>& direction(int facet) { return cross_facets[facet]; }
+  /// What PyramidContacts::save kept.
+  [[nodiscard]] double saved_impulse(int pair) const { return octet_->saved_z[pair][lane_]; }
   /// The same as a law of its own.
   [[nodiscard]] PyramidLaw<4> copy() const;
 
@@ -47,6 +49,12 @@ class PyramidPort : public PlanePoint<PyramidPort> {
   [[nodiscard]] double radius() const { return octet_->radius[lane_]; }
   [[nodiscard]] double plane_offset() const { return octet_->offset[lane_]; }
   void set_tangent(const Vec3& t1);
+  [[nodiscard]] Vec3 saved_tangent() const { return at(octet_->saved_tangent); }
+  /// As PyramidContacts::look found it.
+  [[nodiscard]] Approach approach() const {
+    const ContactOctet& o = *octet_;
+    return {o.distance[lane_], o.approach[lane_], {o.slip[0][lane_], o.slip[1][lane_]}};
+  }
   void prepare() { prepare(bodies_->now[body_]); }
   void prepare(const Pose& pose);
   /// The same as a port of its own.
@@ -74,6 +82,10 @@ class PyramidContacts final : public graphsolve::PortBatch {
     return {bodies_, seats_[i].body, octets_[octet_of(place_[i])], lane_of(place_[i])};
   }
   [[nodiscard]] PyramidLane law(int i) { return {octets_[octet_of(place_[i])], lane_of(place_[i])}; }
+  /// Before a step, of all contacts: distances and velocities at `now`. velocity: the unknowns (v, w) of the last step.
+  void look(std::span<const double> velocity);
+  /// Keeps impulses and tangents of all contacts.
+  void save();
 
   [[nodiscard]] int size() const override { return static_cast<int>(seats_.size()); }
   [[nodiscard]] std::span<const graphsolve::NodeId> nodes(int i) const override { return {&seats_[i].node, 1}; }
@@ -106,7 +118,7 @@ class PyramidContacts final : public graphsolve::PortBatch {
   void take(Octet& to, const ContactTask& task, int octet, std::span<const double> from) const;
   template <class F>
   void give(const ContactTask& task, int octet, F&& f) const;
-  void point_at_poses(ContactTask& task, int octet) const;
+  void point_at_poses(ContactTask& task, int octet, Bodies::NextRoom& room) const;
   template <class T>
   void point_at_rows(T** to, int octet, T* x) const;
   void aim_at_next(std::span<const int> contacts);
@@ -121,6 +133,7 @@ class PyramidContacts final : public graphsolve::PortBatch {
   std::vector<int> place_, contact_at_;
   struct LanePlaces {
     std::array<int, graphsolve::simd::lanes> row, component;  ///< of the body
+    unsigned used;                                            ///< lanes that have a contact
     bool side_by_side;                                        ///< eight components that follow each other
   };
   std::vector<LanePlaces> lane_places_;     ///< by octet

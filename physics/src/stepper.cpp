@@ -28,6 +28,7 @@ bool next_rung(Stepper::Rung& rung, int max_substeps) {
 }  // namespace
 
 void Stepper::step(std::span<const int> stepped) {
+  contacts->save(stepped);
   for (const int lane : stepped) {
     save(lane);
     if (lanes[lane].last.ok()) lanes[lane].before = lanes[lane].last;
@@ -77,34 +78,36 @@ void Stepper::attempt(std::span<const int> tried, const Rung& rung) {
 /// One step of the integrator (eq. 24): part of `parts` equal ones.
 void Stepper::advance(std::span<const int> moved, int part, int parts) {
   using Clock = std::chrono::steady_clock;
-  const auto begin = Clock::now();
+  const auto clock = [&] { return settings.time_phases ? Clock::now() : Clock::time_point(); };
+  const auto begin = clock();
   const double h = dt / parts;
+  for (const int lane : moved) load_state_into_terms(lane, h);
+  contacts->look(unknowns);
   for (const int lane : moved) {
     const double smallest_distance = prepare(lane, h, lanes[lane].time + dt * part / parts);
     if (part == 1) lanes[lane].smallest_distance = smallest_distance;
   }
   joints.aim();
   contacts->activate(*solver);
-  const auto prepared = Clock::now();
+  const auto prepared = clock();
   const double inside = profile.evaluate + profile.factorize + profile.solve;
 
   solve(moved);
   for (const int lane : moved)
     if (lanes[lane].attempt.status == Status::solved) commit(lane, h);
   times.prepare += std::chrono::duration<double>(prepared - begin).count();
-  const double rest = std::chrono::duration<double>(Clock::now() - prepared).count();
+  const double rest = std::chrono::duration<double>(clock() - prepared).count();
   times.finish += rest - (profile.evaluate + profile.factorize + profile.solve - inside);
   times.evaluate = profile.evaluate;
   times.factorize = profile.factorize;
   times.solve = profile.solve;
 }
 
-/// Returns the smallest distance of the lane's contacts.
+/// After its state was loaded. Returns the smallest distance of the lane's contacts.
 double Stepper::prepare(int lane, double h, double end_time) {
   Lane& l = lanes[lane];
   const double impulse_time = l.state.half_kick ? 0.5 * h : h;
   const double factor = l.state.impulse_time > 0 ? impulse_time / l.state.impulse_time : 1.0;
-  load_state_into_terms(lane, h);
   apply_loads(lane, impulse_time);
   for (int k = 0; k < joints_per_lane; ++k) {
     const int j = joint(lane, k);
@@ -209,13 +212,14 @@ void Stepper::commit(int lane, double h) {
     state.v[i] = Eigen::Map<const Vec3>(velocity);
     state.w[i] = Eigen::Map<const Vec3>(velocity + 3);
     // The poses of the converged iterate are those that the residual was measured at.
-    state.x[i] = bodies.next[i].x;
-    state.q[i] = bodies.next[i].q;
-    bodies.place(i, state.x[i], state.q[i]);
+    bodies.commit(i);
+    state.x[i] = bodies.now[i].x;
+    state.q[i] = bodies.now[i].q;
   }
   s.kinetic_energy = kinetic_energy(lane);
   s.time_step = h;
   s.half_kick = false;
+  if (!joints.any_motor()) return;
   for (int k = 0; k < joints_per_lane; ++k) joints.commit(joint(lane, k));
 }
 
@@ -232,10 +236,10 @@ void copy_body(const State& from, State& to, int i) {
 
 void Stepper::save(int lane) {
   lanes[lane].saved_state = lanes[lane].state;
-  contacts->save(lane);
   const int rows = rows_per_lane();
   std::copy_n(unknowns.data() + lane * rows, rows, saved_unknowns.data() + lane * rows);
   for (int k = 0; k < bodies_per_lane; ++k) copy_body(state, saved_state, body(lane, k));
+  if (!joints.any_motor()) return;
   for (int k = 0; k < joints_per_lane; ++k) joints.save(joint(lane, k));
 }
 

@@ -147,7 +147,7 @@ void Stepper::make_solver(const Assembly& assembly, const Stepper* same) {
   components_.reserve(symbolic->components());
   solver = std::make_unique<graphsolve::InteriorPoint>(*problem, plan,
                                                        graphsolve::InteriorPointSettings{.tolerance = settings.tolerance});
-  solver->set_profile(&profile);
+  if (settings.time_phases) solver->set_profile(&profile);
 }
 
 JointGeometry Stepper::on_lane(int lane, JointGeometry geometry) const {

@@ -205,8 +205,8 @@ double bytes_per_link(const char* scene) {
 }
 
 TEST_F(Allocation, OfALinkIsBounded) {
-  EXPECT_LE(bytes_per_link("snake"), 7800) << "with one contact";
-  EXPECT_LE(bytes_per_link("pendulum"), 6575);
+  EXPECT_LE(bytes_per_link("snake"), 7660) << "with one contact";
+  EXPECT_LE(bytes_per_link("pendulum"), 6400);
 }
 
 }  // namespace

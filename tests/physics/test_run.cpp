@@ -95,7 +95,21 @@ TEST(Run, OfASecondStretchCountsOnlyThatStretch) {
   EXPECT_EQ(second.summary.first_step, 10);
   EXPECT_EQ(second.summary.steps, 5);
   EXPECT_NEAR(second.summary.simulated_time, 0.05, 1e-12);
+}
+
+TEST(Run, PhasesOfAStretchAreItsOwn) {
+  SimulatorSettings settings;
+  settings.time_phases = true;
+  Simulator simulator(built_in_scene("pendulum"), settings);
+  const RunResult first = run(simulator, 10), second = run(simulator, 5);
+  EXPECT_GT(second.summary.phases.total(), 0);
   EXPECT_LE(first.summary.phases.total() + second.summary.phases.total(), simulator.phase_times().total() * (1 + 1e-9));
+}
+
+TEST(Run, PhasesAreTimedOnlyOnRequest) {
+  Simulator simulator(built_in_scene("pendulum"));
+  (void)run(simulator, 10);
+  EXPECT_EQ(simulator.phase_times().total(), 0);
 }
 
 }  // namespace

@@ -32,9 +32,12 @@ void EvaluateBodies(const BodyTask& task) {
   to[6] = q.w;
   put(rotation_matrix(q), to + 7);
   put(half * (diagonal(s) + outer(w, w_over_s) - skew(w)), to + 16);
-  gs::store_transposed(to, 25, task.next, used);
-  for (int i = 0; i < 25; ++i) store(to[i], task.at->pose[i]);
-  for (int i = 0; i < 6; ++i) store(x[i], task.at->velocity[i]);
+  const Mask mask = lanes_of(used);
+  const auto keep = [&](const Pack* numbers, int count, Octet* at) HWY_ATTR {
+    for (int i = 0; i < count; ++i) store(used == 0xffu ? numbers[i] : gs::select(mask, numbers[i], load(at[i])), at[i]);
+  };
+  keep(to, 25, task.at->pose);
+  keep(x, 6, task.at->velocity);
 
   const Pack mass = load(task.constants->mass);
   const Matrix3 inertia = load33(task.constants->inertia);

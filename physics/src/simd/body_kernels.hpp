@@ -10,10 +10,11 @@ struct BodyOctet {
   Octet mass, inertia[9];
 };
 
-/// Where eight bodies are at the present iterate, once more: joints and contacts that lie in the same lanes read it whole.
+/// Where eight bodies are at the present iterate: joints and contacts that lie in the same lanes read it whole.
 struct BodyAtOctet {
-  Octet pose[25];    ///< NextPose
-  Octet velocity[6]; ///< v, w
+  static constexpr int numbers = 25;
+  Octet pose[numbers];  ///< NextPose
+  Octet velocity[6];    ///< v, w
 };
 
 /// Eight bodies (or fewer: bit per lane in `used`; the other lanes point where a used one does and write nothing).
@@ -23,8 +24,7 @@ struct BodyTask {
   double dt;
   const double* velocity[8];       ///< v, w
   const double* now[8];            ///< Pose
-  double* next[8];                 ///< NextPose
-  BodyAtOctet* at;                 ///< out; means nothing in lanes that are not used
+  BodyAtOctet* at;                 ///< out
   const double* known_linear[8];
   const double* known_angular[8];
   double* residual[8];             ///< 6

@@ -79,6 +79,19 @@ HWY_INLINE void keep_largest(Pack& largest, const Pack& e) {
   largest = gs::select((e > largest) | !(e >= e), e, largest);  // a NaN stays
 }
 
+void Look(const ContactTask& task) {
+  ContactOctet& o = *task.octet;
+  Pack pose[16], x[6];
+  gs::load_transposed(task.pose, 16, pose, read(task));
+  gs::load_transposed(task.x, 6, x, read(task));
+  const Matrix3 rotation = matrix(pose + 7);
+  const Vector3 normal = load3(o.normal), arm = rotation * load3(o.point) - load(o.radius) * normal;
+  const Vector3 u = vector(x) + cross(rotation * vector(x + 3), arm);
+  store(dot(normal, vector(pose) + arm) - load(o.offset), o.distance);
+  store(dot(normal, u), o.approach);
+  for (int t = 0; t < 2; ++t) store(dot(load3(o.tangent[t]), u), o.slip[t]);
+}
+
 void Remember(const ContactTask& task, double factor) {
   ContactOctet& o = *task.octet;
   const Keeper keep(task.used);
@@ -283,7 +296,8 @@ void Accept(const ContactTask& task) {
 }
 
 ContactKernels Contacts() {
-  return {.remember = Remember,
+  return {.look = Look,
+          .remember = Remember,
           .restore = Restore,
           .start_warm = StartWarm,
           .start_cold = StartCold,

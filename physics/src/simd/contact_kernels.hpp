@@ -14,6 +14,8 @@ struct ContactOctet {
   Octet point[3], normal[3], radius, offset, tangent[2][3];
   Octet lever[3][3];  ///< as ContactPort::prepare makes them
   Octet rate_normal[3];
+  // Before a step, of the material point that is lowest: distance, velocity along the normal and the tangents.
+  Octet distance, approach, slip[2];
   // Of the law.
   Octet friction, scale, largest_ratio;
   Octet s[pairs], z[pairs], ds[pairs], dz[pairs], remembered_s[pairs], remembered_z[pairs];
@@ -21,6 +23,7 @@ struct ContactOctet {
   Octet frozen_bound;
   Octet residual[pairs], inverse_s[pairs], inverse_z[pairs], ratio[pairs], defect[pairs], shift[pairs];
   Octet psi_shift, one_over_sum;
+  Octet saved_z[pairs - 1], saved_tangent[3];  ///< of the step before, in case this one fails
 };
 
 /// One operation on eight contacts or fewer: bit per lane in `used`; the other lanes point where a used one does and
@@ -30,7 +33,7 @@ struct ContactTask {
   unsigned used;
   bool one_body;            ///< all on the same one
   double dt;
-  const double* pose[8];    ///< NextPose; Pose will do to remember
+  const double* pose[8];    ///< NextPose; Pose will do to look and to remember
   const BodyAtOctet* bodies = nullptr;  ///< all of them instead, with their velocities, where they lie in the same lanes
   const double* x[8];       ///< v, w of the body, or their change
   double* rows[8];          ///< 6 of the body
@@ -41,6 +44,7 @@ struct ContactTask {
 };
 
 struct ContactKernels {
+  void (*look)(const ContactTask&);  ///< distances and velocities at the poses of the task
   /// Makes levers at the poses of the task; impulses times factor are remembered.
   void (*remember)(const ContactTask&, double factor);
   void (*restore)(const ContactTask&);
