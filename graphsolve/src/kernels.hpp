@@ -55,7 +55,7 @@ constexpr int spread_size(int depth, int blocks, int s) { return (blocks + 3) / 
 
 inline constexpr int max_rows = 8;   ///< products have code of their own for up to so many rows
 inline constexpr int max_fixed = 6;  ///< the others for blocks of up to so many,
-inline constexpr int also_fixed = 12;  ///< and what has to do with definite blocks, and solves, for this many
+inline constexpr int also_fixed = 12;  ///< and, but for lower products, for this many
 inline constexpr int kinds_of_dimension = max_fixed + 2;
 inline constexpr int max_spread = 4;  ///< S of rows of blocks
 inline constexpr int at_once = 12;    ///< columns of L that they keep in registers
@@ -64,6 +64,7 @@ inline constexpr int max_equal = 6;   ///< S of solves
 /// By size; place 0 is for any other.
 struct Table {
   std::array<Product, max_rows + 1> products;
+  Product also_product;
   std::array<LowerProduct, max_rows + 1> lower_products;
   std::array<Spread, max_spread> spreads;  ///< place S - 1
   std::array<RowOfBlocks, max_spread> rows_of_blocks;
@@ -76,7 +77,7 @@ struct Table {
   std::array<Halve, kinds_of_dimension> halves;
   std::array<Solve, kinds_of_dimension> solves, first_solves, second_solves;
 
-  [[nodiscard]] Product product(int m) const { return products[m <= max_rows ? m : 0]; }
+  [[nodiscard]] Product product(int m) const { return m == also_fixed ? also_product : products[m <= max_rows ? m : 0]; }
   [[nodiscard]] LowerProduct lower_product(int m) const { return lower_products[m <= max_rows ? m : 0]; }
   [[nodiscard]] static int kind(int d) { return d == also_fixed ? max_fixed + 1 : d <= max_fixed ? d : 0; }
   [[nodiscard]] Factor factor(int d) const { return factors[kind(d)]; }

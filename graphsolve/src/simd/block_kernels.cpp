@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -49,11 +50,52 @@ double factor_with_exchanges(double* a, int* rows, int d) {
   return smallest;
 }
 
+/// The same, by whole columns in registers; each step stores what the next ones read single numbers of.
+template <int D>
+double factor_by_columns(double* a, int* rows) {
+  static constexpr auto below = [] {  // read from place D - 1 - p on: zeros up to row p, then ones
+    std::array<double, 2 * D> ones{};
+    for (int i = D; i < 2 * D; ++i) ones[i] = 1;
+    return ones;
+  }();
+  double u[D * D];
+  Rows<D> t[D];
+#pragma GCC unroll 12
+  for (int j = 0; j < D; ++j) t[j] = Rows<D>::load(a + j * D);
+  double smallest = std::numeric_limits<double>::infinity();
+  bool sound = true;
+#pragma GCC unroll 12
+  for (int p = 0; p < D; ++p) {
+#pragma GCC unroll 12
+    for (int j = p; j < D; ++j) t[j].store(u + j * D);
+    double* column = u + p * D;
+    const double size = std::abs(column[p]);
+    double largest = 0;
+    for (int i = p + 1; i < D; ++i) largest = std::max(largest, std::abs(column[i]));
+    sound &= (size >= diagonal_preferred * largest) & (size > 0) & (size < std::numeric_limits<double>::infinity());
+    smallest = size < smallest ? size : smallest;
+    const double reciprocal = 1.0 / column[p];
+    const Rows<D> l = t[p].times_each(Rows<D>::load(below.data() + D - 1 - p)).times(reciprocal);
+#pragma GCC unroll 12
+    for (int j = p + 1; j < D; ++j) t[j].subtract(l, u[j * D + p]);
+    double multipliers[D];
+    l.store(multipliers);
+    column[p] = reciprocal;
+    for (int i = p + 1; i < D; ++i) column[i] = multipliers[i];
+  }
+  if (!sound) return factor_with_exchanges(a, rows, D);
+  std::copy_n(u, D * D, a);
+  for (int p = 0; p < D; ++p) rows[p] = p;
+  return smallest;
+}
+
 /// First without exchanges, in registers; that is nearly always enough.
 template <int D>
 double factor(double* a, int* rows, int d) {
   if constexpr (D == 0) {
     return factor_with_exchanges(a, rows, d);
+  } else if constexpr (D > max_fixed) {
+    return factor_by_columns<D>(a, rows);
   } else {
     double t[D][D];
     for (int j = 0; j < D; ++j)
@@ -170,7 +212,8 @@ constexpr void fill_solves(Table& t, std::integer_sequence<int, I...>) {
 }
 template <int... I>
 constexpr void fill_by_dimension(Table& t, std::integer_sequence<int, I...>) {
-  t.factors = {&factor<I <= max_fixed ? I : 0>...};
+  t.factors = {&factor<I>...};
+  t.also_product = &product<also_fixed>;
   t.definite_factors = {&factor_definite<I>...};
   t.halves = {&halve<I>...};
   t.solves = {&solve<I, Half::both>...};

@@ -51,6 +51,13 @@ struct Rows {
     r.tail = tail.times(s);
     return r;
   }
+  /// Number by number.
+  [[nodiscard]] HWY_INLINE Rows times_each(const Rows& a) const {
+    Rows r;
+    r.head = hn::Mul(head, a.head);
+    r.tail = tail.times_each(a.tail);
+    return r;
+  }
   /// this -= a b, number by number
   HWY_INLINE void subtract_each(const Rows& a, const Rows& b) {
     head = hn::NegMulAdd(a.head, b.head, head);
@@ -64,6 +71,7 @@ struct Rows<0> {
   HWY_INLINE void store(double*) const {}
   HWY_INLINE void subtract(const Rows&, double) {}
   [[nodiscard]] HWY_INLINE Rows times(double) const { return {}; }
+  [[nodiscard]] HWY_INLINE Rows times_each(const Rows&) const { return {}; }
   HWY_INLINE void subtract_each(const Rows&, const Rows&) {}
 };
 
