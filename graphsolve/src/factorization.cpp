@@ -29,6 +29,7 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
   first_row_.assign(s.pivots(), 0);
   equal_.assign(s.pivots(), 0);
   group_.assign(s.pivots(), 1);
+  among_single_.assign(s.pivots(), 0);
   scattered_.assign(s.pivots(), 0);
   int largest = 0, spread = 0, next_group = 0, uncertain_rows = 0;
   for (int k = 0, row = 0; k < s.pivots(); ++k) {
@@ -37,13 +38,18 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
     if (starts_with_reference(k)) referenced_.push_back(k);
     if (s.may_depend(k)) uncertain_rows += s.dimension(k);
     equal_[k] = static_cast<char>(equal_couplings(s, k));
+    among_single_[k] = s.program().place(k) < 0 &&
+                       std::ranges::all_of(s.coupled(k), [&](int later) { return s.program().place(later) < 0; });
     // Pivots of packs always, so that sums are the same in bits however many copies lie side by side.
     scattered_[k] = s.program().place(k) >= 0 ||
                     std::ranges::any_of(s.coupled(k), [&](int later) { return s.pivot(later).stride != 1; });
     spread = std::max(spread, spread_size(s, k));
-    if (k == next_group && s.packs() == Packs::off) {
-      if (equal_[k] > 0) group_[k] = static_cast<char>(group_size(s, k, equal_[k]));
-      next_group = k + group_[k];
+    if (k == next_group) {
+      const int size = equal_[k] > 0 && among_single_[k] ? group_size(s, k, equal_[k]) : 1;
+      group_[k] = static_cast<char>(size);
+      next_group = k + size;
+    } else {
+      group_[k] = 0;
     }
     row += s.dimension(k);
     largest = std::max(largest, s.dimension(k));
@@ -209,6 +215,12 @@ void Factorization::close(int k, const PivotBlocks& blocks) {
   double* to = values_.data() + p.diagonal;
   if (p.stride == 1) return;
   for (std::int64_t i = 0; i < p.scalars(); ++i) to[i * p.stride] = blocks.diagonal[i];
+}
+
+/// Pivot k, or the group that it begins; nothing inside one.
+void Factorization::eliminate_from(int k, Outcome& outcome) {
+  if (group_[k] > 1) eliminate_group(k, group_[k], outcome);
+  else if (group_[k] == 1) eliminate_alone(k, outcome);
 }
 
 void Factorization::eliminate_alone(int k, Outcome& outcome) {

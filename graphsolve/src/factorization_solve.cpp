@@ -86,8 +86,8 @@ void Factorization::solve_forward(int k, double* x, int columns) const {
   else solve_diagonal(k, factor.diagonal, own.rows(), columns, stride);
   own.write_back();
   const double* lower = factor.lower;
-  if (columns == 1 && equal_[k] > 0 && s.packs() == Packs::off) {
-    kernels_->forwards[equal_[k] - 1](x, &s.pivot(0), s.coupled(k), lower, xk, p.dimension);
+  if (columns == 1 && equal_[k] > 0 && among_single_[k]) {
+    kernels_->forwards[equal_[k] - 1](x, s.program().places(), s.coupled(k), lower, xk, p.dimension);
     return;
   }
   for (const int i : s.coupled(k)) {
@@ -108,8 +108,8 @@ void Factorization::solve_backward(int k, double* x, int columns) const {
   const PivotFactor factor = factor_of(k, buffer);
   const double* upper = factor.upper;
   const Gathered own(x, s.program().row_place(k), p.dimension);
-  if (columns == 1 && equal_[k] > 0 && s.packs() == Packs::off) {
-    kernels_->backwards[equal_[k] - 1](own.rows(), &s.pivot(0), s.coupled(k), upper, x, p.dimension);
+  if (columns == 1 && equal_[k] > 0 && among_single_[k]) {
+    kernels_->backwards[equal_[k] - 1](own.rows(), s.program().places(), s.coupled(k), upper, x, p.dimension);
   } else {
     for (const int j : s.coupled(k)) {
       const Gathered coupled(x, s.program().row_place(j), s.dimension(j));

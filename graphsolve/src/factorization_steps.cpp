@@ -37,7 +37,7 @@ bool Factorization::in_packs() const {
 void Factorization::alone_if_active(int k, std::span<Outcome> outcomes) {
   if (!takes_part(k)) return;
   const int c = symbolic_->component(symbolic_->node(k));
-  eliminate_alone(k, outcomes[c]);
+  eliminate_from(k, outcomes[c]);
   if (!outcomes[c].ok()) leave_out(c);
 }
 
@@ -61,11 +61,9 @@ void Factorization::factorize_active(std::span<Outcome> outcomes, Count count, c
   const auto forward = [&](int k) { solve_forward(k, right->x, 1); };
   if (!in_packs()) {  // in the order of the pivots, as refactorize() goes
     for (const int c : active_) {
-      for (int k = s.component_begin(c), next = k; k < s.component_begin(c + 1) && outcomes[c].ok(); k = next) {
-        next = k + group_[k];
-        group_[k] > 1 ? eliminate_group(k, group_[k], outcomes[c]) : eliminate_alone(k, outcomes[c]);
-        if (right != nullptr)
-          for (; k < next && outcomes[c].ok(); ++k) forward(k);
+      for (int k = s.component_begin(c); k < s.component_begin(c + 1) && outcomes[c].ok(); ++k) {
+        eliminate_from(k, outcomes[c]);
+        if (right != nullptr && outcomes[c].ok()) forward(k);
       }
       if (!outcomes[c].ok()) leave_out(c);
     }

@@ -38,20 +38,22 @@ using Halve = void (*)(const double* a, double* lower, double* upper, int rows, 
 /// halves: first L^-1 X, second L^-T D^-1 X.
 using Solve = void (*)(const double* a, const int* rows, double* x, int d, int n, std::ptrdiff_t stride);
 
-/// Of a solve: S rows each of x at coupled[j].row lose block j of L (S x d, one block after the other) times y (d).
-using Forward = void (*)(double* x, const Symbolic::Pivot* pivots, std::span<const int> coupled, const double* lower,
-                         const double* y, int d);
-/// y (d) loses W (d x S blocks) times the S rows of x at coupled[j].row.
-using Backward = void (*)(double* y, const Symbolic::Pivot* pivots, std::span<const int> coupled, const double* upper,
-                          const double* x, int d);
+/// Of a solve: S rows each of x at ~places[coupled[j]] lose block j of L (S x d, one block after the other) times y (d).
+using Forward = void (*)(double* x, const int* places, std::span<const int> coupled, const double* lower, const double* y,
+                         int d);
+/// y (d) loses W (d x S blocks) times the S rows of x at ~places[coupled[j]].
+using Backward = void (*)(double* y, const int* places, std::span<const int> coupled, const double* upper, const double* x,
+                          int d);
 
 /// Such a block j, at c, alone: d columns of L after d columns. `reference` (S) keeps the amounts of largest size, signed,
 /// that were added to the entries of its diagonal.
 using WatchedBlock = void (*)(double* c, double* reference, const double* l, const double* spread_w, int depth, int d, int j);
 /// Blocks of S x S, one after the other, transposed.
 using Transpose = void (*)(const double* from, double* to, int blocks);
+/// Numbers that a row of four blocks of a spread W takes: each begins with a cache line.
+constexpr int spread_row(int s) { return (4 * s * s + 7) / 8 * 8; }
 /// Numbers of a W of `depth` rows and S `blocks` columns when spread: four blocks lie together.
-constexpr int spread_size(int depth, int blocks, int s) { return (blocks + 3) / 4 * 4 * depth * s * s; }
+constexpr int spread_size(int depth, int blocks, int s) { return (blocks + 3) / 4 * depth * spread_row(s); }
 
 inline constexpr int max_rows = 8;   ///< products have code of their own for up to so many rows
 inline constexpr int max_fixed = 6;  ///< the others for blocks of up to so many,

@@ -73,7 +73,7 @@ void Symbolic::count_memory() {
   const std::int64_t numbers =
       sizeof(Factorization) + bytes(values_size_, sizeof(double)) +
       bytes(rows_ + (uncertain > 0 ? rows_ : 0), sizeof(int) + sizeof(double)) + bytes(uncertain_rows, sizeof(Factorization::DroppedRow)) +
-      bytes(pivots(), 2 * sizeof(int) + 3 * sizeof(char)) + bytes(uncertain, sizeof(int)) + bytes(spread, sizeof(double)) +
+      bytes(pivots(), 2 * sizeof(int) + 4 * sizeof(char)) + bytes(uncertain, sizeof(int)) + bytes(spread, sizeof(double)) +
       bytes(2 * std::int64_t{largest} * largest + 3 * largest, sizeof(double)) +
       bytes(components(), sizeof(Factorization::Outcome) + 2 * sizeof(int));
   const std::int64_t packed = bytes(program_->scratch_size() + program_->lane_rows(), sizeof(double)) + program_->packs() +

@@ -190,6 +190,7 @@ class Factorization {
   [[nodiscard]] PivotBlocks open(int k);
   void close(int k, const PivotBlocks& blocks);
   [[nodiscard]] PivotFactor factor_of(int k, double* buffer) const;
+  void eliminate_from(int k, Outcome& outcome);
   void eliminate_alone(int k, Outcome& outcome);
   void begin_alone(int k, Outcome& outcome);
   void eliminate_group(int begin, int size, Outcome& outcome);
@@ -278,10 +279,10 @@ class Factorization {
   std::vector<double> work_;          ///< two of the largest block and 3 of its rows; solving needs none of it
   std::vector<double> opened_, target_;  ///< blocks of one pivot, and one that it changes, where they lie interleaved
   std::vector<char> equal_;           ///< per pivot: equal_couplings
-  std::vector<char> group_;           ///< per pivot that is not inside a group: how many it begins, see group_size;
-                                      ///< 1 where there are packs
+  std::vector<char> group_;           ///< per pivot: how many the group has that it begins, see group_size; 0 inside one
   std::vector<char> scattered_;       ///< per pivot: may blocks that it changes lie interleaved with others?
-  std::vector<double> spread_;        ///< for the update of equal couplings
+  std::vector<char> among_single_;    ///< per pivot: do it and all that it changes go by themselves?
+  AlignedVector spread_;              ///< for the update of equal couplings
   std::vector<double> residual_, residual_low_, magnitude_, best_;
   std::vector<DroppedRow> dropped_;
   // For refactorize().

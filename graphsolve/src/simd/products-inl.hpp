@@ -12,6 +12,7 @@
 #include <span>
 
 #include "graphsolve/symbolic.hpp"
+#include "kernels.hpp"
 #include "simd/rows-inl.hpp"
 
 /// Products of single blocks, as kernels.hpp describes them.
@@ -88,7 +89,7 @@ void lower_product(double* c, const double* a, const double* b, int m, int k) {
 /// by: first those of the registers, block after block, then the rest of all four.
 template <int S>
 struct Parts {
-  static constexpr int square = S * S, own = square & ~3, rest = square - own, four = 4 * square;
+  static constexpr int square = S * S, own = square & ~3, rest = square - own, four = spread_row(S);
 };
 
 template <int S>
@@ -239,14 +240,14 @@ void transpose_blocks(const double* HWY_RESTRICT from, double* HWY_RESTRICT to, 
 }
 
 template <int S, int D>
-HWY_INLINE void forward_rows(double* x, const Symbolic::Pivot* pivots, std::span<const int> coupled,
+HWY_INLINE void forward_rows(double* x, const int* places, std::span<const int> coupled,
                              const double* HWY_RESTRICT lower, const double* y, int d_) {
   const int d = D ? D : d_;
   double known[D ? D : 1];
   if (D > 0)
     for (int p = 0; p < d; ++p) known[p] = y[p];
   for (const int later : coupled) {
-    double* rows = x + pivots[later].row;
+    double* rows = x + ~places[later];
     Rows<S> sum = Rows<S>::load(rows);
 #pragma GCC unroll 6
     for (int p = 0; p < d; ++p) sum.subtract(Rows<S>::load(lower + p * S), D ? known[p] : y[p]);
@@ -255,21 +256,21 @@ HWY_INLINE void forward_rows(double* x, const Symbolic::Pivot* pivots, std::span
   }
 }
 template <int S>
-void forward(double* x, const Symbolic::Pivot* pivots, std::span<const int> coupled, const double* lower, const double* y,
+void forward(double* x, const int* places, std::span<const int> coupled, const double* lower, const double* y,
              int d) {
   switch (d) {
-    case 3: return forward_rows<S, 3>(x, pivots, coupled, lower, y, d);
-    case 6: return forward_rows<S, 6>(x, pivots, coupled, lower, y, d);
-    default: return forward_rows<S, 0>(x, pivots, coupled, lower, y, d);
+    case 3: return forward_rows<S, 3>(x, places, coupled, lower, y, d);
+    case 6: return forward_rows<S, 6>(x, places, coupled, lower, y, d);
+    default: return forward_rows<S, 0>(x, places, coupled, lower, y, d);
   }
 }
 
 template <int S, int D>
-HWY_INLINE void backward_rows(double* y, const Symbolic::Pivot* pivots, std::span<const int> coupled,
+HWY_INLINE void backward_rows(double* y, const int* places, std::span<const int> coupled,
                               const double* HWY_RESTRICT upper, const double* x) {
   Rows<D> sum = Rows<D>::load(y);
   for (const int later : coupled) {
-    const double* rows = x + pivots[later].row;
+    const double* rows = x + ~places[later];
 #pragma GCC unroll 6
     for (int c = 0; c < S; ++c) sum.subtract(Rows<D>::load(upper + c * D), rows[c]);
     upper += S * D;
@@ -277,18 +278,18 @@ HWY_INLINE void backward_rows(double* y, const Symbolic::Pivot* pivots, std::spa
   sum.store(y);
 }
 template <int S>
-void backward(double* y, const Symbolic::Pivot* pivots, std::span<const int> coupled, const double* upper, const double* x,
+void backward(double* y, const int* places, std::span<const int> coupled, const double* upper, const double* x,
               int d) {
   switch (d) {
-    case 1: return backward_rows<S, 1>(y, pivots, coupled, upper, x);
-    case 2: return backward_rows<S, 2>(y, pivots, coupled, upper, x);
-    case 3: return backward_rows<S, 3>(y, pivots, coupled, upper, x);
-    case 4: return backward_rows<S, 4>(y, pivots, coupled, upper, x);
-    case 6: return backward_rows<S, 6>(y, pivots, coupled, upper, x);
+    case 1: return backward_rows<S, 1>(y, places, coupled, upper, x);
+    case 2: return backward_rows<S, 2>(y, places, coupled, upper, x);
+    case 3: return backward_rows<S, 3>(y, places, coupled, upper, x);
+    case 4: return backward_rows<S, 4>(y, places, coupled, upper, x);
+    case 6: return backward_rows<S, 6>(y, places, coupled, upper, x);
     default: break;
   }
   for (const int later : coupled) {
-    product_any(y, d, upper, d, x + pivots[later].row, S, d, S, 1);
+    product_any(y, d, upper, d, x + ~places[later], S, d, S, 1);
     upper += S * d;
   }
 }

@@ -11,8 +11,10 @@ namespace graphsolve::simd {
 
 namespace {
 
+constexpr int alone = -1, in_dense_end = -2;  // instead of a shape
+
 bool fits(const Symbolic& s, int k) {
-  if (s.pivot(k).dimension > largest_dimension || s.pivot(k).coupled_rows > largest_front) return false;
+  if (s.pivot(k).dimension > largest_dimension) return false;
   return std::ranges::all_of(s.coupled(k), [&](int later) { return s.dimension(later) <= largest_dimension; });
 }
 
@@ -77,10 +79,12 @@ void Program::go_one_by_one(const Symbolic& s) {
 void Program::find_shapes(const Symbolic& s) {
   std::map<std::vector<int>, int> number;  // dimension and kind, then of each coupled block dimension and kind
   std::vector<int> key;
-  shape_of_.assign(s.pivots(), -1);
+  shape_of_.assign(s.pivots(), alone);
   for (int k = 0; k < s.pivots(); ++k) {
     const Symbolic::Pivot& p = s.pivot(k);
-    if (!fits(s, k)) continue;
+    if (p.coupled_rows > largest_front) shape_of_[k] = in_dense_end;
+    if (shape_of_[k] == in_dense_end && p.parent >= 0) shape_of_[p.parent] = in_dense_end;
+    if (shape_of_[k] == in_dense_end || !fits(s, k)) continue;
     key.assign({p.dimension, (p.saddle ? 2 : 0) + (p.may_depend ? 1 : 0)});
     for (const int later : s.coupled(k)) key.insert(key.end(), {s.dimension(later), s.may_depend(later) ? 1 : 0});
     const auto [found, is_new] = number.try_emplace(key, static_cast<int>(shapes_.size()));
@@ -112,6 +116,7 @@ void Program::add_one(const Symbolic& s, const Class& equal, int component) {
   const int first = static_cast<int>(steps_.size()), begin = s.component_begin(component);
   for (const Bundle& bundle : equal.bundles) {
     const int k = begin + bundle.first_pivot(), shape = shape_of_[k];
+    if (shape == in_dense_end) continue;
     const bool lone = bundle.lanes == 1 && s.dimension(k) > largest_lone;
     if (shape < 0 || lone) {
       for (int l = 0; l < bundle.lanes; ++l)
@@ -123,8 +128,16 @@ void Program::add_one(const Symbolic& s, const Class& equal, int component) {
     for (int& pivot : pack.pivot) pivot += begin;
     add_pack(s, pack);
   }
+  add_dense_end(s, component);
   group_of_[component] = static_cast<int>(groups_.size());
   groups_.push_back({first, static_cast<int>(steps_.size()), 0, 0, 1, {component}});
+}
+
+/// What couples to many, and all that follows it, last and in the order of the pivots: nothing of it lies interleaved with
+/// others, and the factorization makes groups of it.
+void Program::add_dense_end(const Symbolic& s, int component) {
+  for (int k = s.component_begin(component); k < s.component_begin(component + 1); ++k)
+    if (shape_of_[k] == in_dense_end) steps_.push_back({-1, k});
 }
 
 /// In the order in which the lanes of a single one are added up: what becomes of a component does not depend on how
@@ -139,7 +152,7 @@ void Program::add_copies(const Symbolic& s, const Class& equal, std::span<const 
   }
   for (const Bundle& bundle : equal.bundles)
     for (int l = 0; l < bundle.lanes; ++l) {
-      if (!(bundle.used >> l & 1u)) continue;
+      if (!(bundle.used >> l & 1u) || shape_of_[s.component_begin(components[0]) + bundle.pivot[l]] == in_dense_end) continue;
       PivotPack pack{.shape = shape_of_[s.component_begin(components[0]) + bundle.pivot[l]], .lanes = lanes_for(copies),
                      .used = (1u << copies) - 1, .pivot = {}, .shares = false, .place = -1, .rows = 0, .targets = 0, .lane_rows = 0, .row_targets = 0};
       for (int c = 0; c < lanes; ++c)
@@ -148,6 +161,7 @@ void Program::add_copies(const Symbolic& s, const Class& equal, std::span<const 
       else
         for (int c = 0; c < copies; ++c) steps_.push_back({-1, pack.pivot[c]});
     }
+  for (const int component : components) add_dense_end(s, component);
   group.end_step = static_cast<int>(steps_.size());
   groups_.push_back(group);
 }

@@ -14,7 +14,7 @@ namespace graphsolve::simd {
 
 /// Larger pivots have enough to do inside and go alone, and so do those coupled to larger ones.
 inline constexpr int largest_dimension = 16;
-inline constexpr int largest_front = 32;  ///< coupled rows; beyond, few pivots of a level are equal
+inline constexpr int largest_front = 32;  ///< coupled rows; beyond, few pivots of a level are equal: a dense end begins
 inline constexpr int largest_lone = 6;    ///< dimension of a pivot that is packed though no other is equal
 inline constexpr int largest_factor = largest_dimension * (largest_dimension + 2 * largest_front);  ///< scalars
 
@@ -100,6 +100,8 @@ class Program {
     const PivotPack& pack = packs_[place / lanes];
     return {pack.lane_rows + place % lanes, pack.lanes};
   }
+  /// By pivot; of one that goes by itself ~ of its first row in such a vector.
+  [[nodiscard]] const int* places() const { return place_.data(); }
   /// The rows of such a vector that belong to the couplings.
   [[nodiscard]] const Target* row_targets(const PivotPack& pack) const { return row_targets_.data() + pack.row_targets; }
   /// The blocks between couplings i and j at [i couplings + j].
@@ -124,6 +126,7 @@ class Program {
   [[nodiscard]] std::vector<Class> classes(const Symbolic& symbolic) const;
   void add_one(const Symbolic& symbolic, const Class& equal, int component);
   void add_copies(const Symbolic& symbolic, const Class& equal, std::span<const int> components);
+  void add_dense_end(const Symbolic& symbolic, int component);
   void add_pack(const Symbolic& symbolic, PivotPack pack);
   void place_rows(const Symbolic& symbolic);
   void find_row_targets(const Symbolic& symbolic, PivotPack& pack);
