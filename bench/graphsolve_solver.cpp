@@ -35,7 +35,7 @@ std::shared_ptr<const Symbolic> symbolic_for_packs(const BlockGraph& graph, Fact
     const Symbolic::Counts& counts = symbolic.counts();
     return kind == FactorizationKind::ldu ? counts.pack_operations : counts.symmetric_pack_operations;
   };
-  auto narrow = std::make_shared<const Symbolic>(graph, minimum_fill_ordering(graph));
+  auto narrow = std::make_shared<const Symbolic>(graph, make_ordering(graph, OrderingMethod::best));
   auto wide = std::make_shared<const Symbolic>(graph, wide_ordering(graph));
   return cost(*wide) < cost(*narrow) ? wide : narrow;
 }

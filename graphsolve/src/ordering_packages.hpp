@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "graphsolve/block_graph.hpp"
@@ -19,6 +20,7 @@ std::vector<NodeId> to_nodes(const std::vector<int>& order);
 // SuiteSparse
 std::vector<NodeId> amd(const BlockGraph& graph);
 std::vector<NodeId> camd(const BlockGraph& graph);
+std::vector<int> camd(const Adjacency& adjacency, std::span<const int> stage);  ///< nodes of stage 0 first, then 1, ...
 std::vector<NodeId> colamd(const BlockGraph& graph);
 // METIS
 std::vector<NodeId> nested_dissection(const BlockGraph& graph);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -38,19 +39,24 @@ std::vector<NodeId> amd(const BlockGraph& graph) {
   return to_nodes(order);
 }
 
-std::vector<NodeId> camd(const BlockGraph& graph) {
-  const Adjacency a = adjacency(graph);
-  std::vector<int> order(graph.size()), places(graph.size());
-  for (int i = 0; i < graph.size(); ++i) places[i] = place(graph, {i});
+std::vector<int> camd(const Adjacency& adjacency, std::span<const int> stage) {
+  const int n = static_cast<int>(stage.size());
   // The sets must be numbered without gaps.
-  std::vector<int> number(3, 0);
-  for (const int p : places) number[p] = 1;
-  for (int p = 0, next = 0; p < 3; ++p) number[p] = number[p] == 1 ? next++ : -1;
-  for (int& p : places) p = number[p];
+  std::vector<int> number(n == 0 ? 0 : 1 + *std::max_element(stage.begin(), stage.end()), -1), order(n), set(n);
+  for (const int s : stage) number[s] = 0;
+  for (int next = 0; int& s : number)
+    if (s == 0) s = next++;
+  for (int i = 0; i < n; ++i) set[i] = number[stage[i]];
   const int status =
-      camd_order(graph.size(), a.begin.data(), a.list.data(), order.data(), nullptr, nullptr, places.data());
+      camd_order(n, adjacency.begin.data(), adjacency.list.data(), order.data(), nullptr, nullptr, set.data());
   check("CAMD", status >= CAMD_OK, status);
-  return to_nodes(order);
+  return order;
+}
+
+std::vector<NodeId> camd(const BlockGraph& graph) {
+  std::vector<int> places(graph.size());
+  for (int i = 0; i < graph.size(); ++i) places[i] = place(graph, {i});
+  return to_nodes(camd(adjacency(graph), places));
 }
 
 /// COLAMD orders the columns of a matrix for little fill in its normal equations. The columns are the nodes that are

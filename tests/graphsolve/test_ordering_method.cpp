@@ -123,4 +123,16 @@ TEST(OrderingMethod, BestIsNeverWorseThanTheDefaultAndSaysWhichItTook) {
     }
 }
 
+/// The separators of a grid of constraints are constraints, none of which the rule has to defer.
+TEST(OrderingMethod, NestedDissectionOfAMeshOfConstraintsNeedsFewerOperationsThanMinimumFill) {
+  if (!available(OrderingMethod::nested_dissection) || !available(OrderingMethod::camd)) GTEST_SKIP() << "needs METIS and CAMD";
+  for (const int side : {24, 32, 48}) {
+    const BlockGraph graph = families::grid(side, 3);
+    const Ordering dissected = make_ordering(graph, OrderingMethod::nested_dissection);
+    EXPECT_EQ(dissected.repairs, 0);
+    const auto operations = [&](const Ordering& o) { return Symbolic(graph, o, Packs::off).counts().operations; };
+    EXPECT_LT(static_cast<double>(operations(dissected)), 0.97 * static_cast<double>(operations(minimum_fill_ordering(graph))));
+  }
+}
+
 }  // namespace
