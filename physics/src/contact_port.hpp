@@ -85,10 +85,10 @@ class ContactPort : public PlanePoint<ContactPort<Rows>> {
   [[nodiscard]] const Vec3& lever(int row) const { return g_.lever[row]; }  ///< of the force along it, body frame
 
   /// Force directions: before a step at `now`.
-  void prepare() { prepare(bodies_->now[body_]); }
+  void prepare() { prepare(bodies_->pose_now(body_)); }
   /// At `now`; velocity: the unknowns of the last step.
   [[nodiscard]] Approach approach(std::span<const double> velocity) const {
-    const Pose& pose = bodies_->now[body_];
+    const Pose pose = bodies_->pose_now(body_);
     const Eigen::Map<const Vec3> v(velocity.data() + row_), w(velocity.data() + row_ + 3);
     const Vec3 arm = this->world_arm(pose), u = v + (pose.rotation * w).cross(arm);
     Approach a{g_.normal.dot(pose.x + arm) - g_.offset, g_.normal.dot(u), {}};
@@ -114,8 +114,7 @@ class ContactPort : public PlanePoint<ContactPort<Rows>> {
     }
   }
   /// At the solution x of a step: adds the derivatives of -J1^T f by what the step was given, after those of the bodies.
-  void differentiate(std::span<const double> x, const ContactResponse<Rows>& response, const StepStart& start,
-                     Sensitivity& out) const;
+  void differentiate(std::span<const double> x, const ContactResponse<Rows>& response, Sensitivity& out) const;
   /// J1^T (0, f1, f2)
   [[nodiscard]] Eigen::Matrix<double, 6, 1> friction_wrench(const double* f) const {
     Eigen::Matrix<double, 6, 1> wrench;

@@ -185,7 +185,7 @@ double Contacts::smallest_distance(int lane) const {
   double smallest = std::numeric_limits<double>::infinity();
   each_entry(lane, [&](const Entry& entry) {
     smallest = std::min(smallest, visit(entry, [&](const auto& port, const auto&) {
-                          return port.distance(bodies_.now[port.body()]);
+                          return port.distance(bodies_.pose_now(port.body()));
                         }));
   });
   return smallest;

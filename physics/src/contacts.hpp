@@ -53,7 +53,7 @@ class Contacts {
 
   /// At the solution x of a step: derivatives of the residual by what the step was given, after those of the bodies.
   /// basis_follows: friction bases that were kept count as turned; stiffness: bound on z/s over the island's mass.
-  void differentiate(int lane, std::span<const double> x, const StepStart& start, bool basis_follows, double stiffness,
+  void differentiate(int lane, std::span<const double> x, bool basis_follows, double stiffness,
                      Sensitivity& out);
 
   [[nodiscard]] double smallest_distance(int lane) const;  ///< at `now`

@@ -79,7 +79,7 @@ void Contacts::write_record(int lane, std::span<ContactRecord> records, double i
     ContactRecord& record = records[entry.source];
     visit(entry, [&](const auto& port, const auto& law) {
       const bool pressed = entry.active && impulse_time > 0;
-      record.distance = port.distance(bodies_.now[port.body()]);
+      record.distance = port.distance(bodies_.pose_now(port.body()));
       record.normal_force = 0;
       record.friction_force.setZero();
       if constexpr (std::decay_t<decltype(port)>::rows == 3) {

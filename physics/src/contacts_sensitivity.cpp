@@ -8,9 +8,9 @@ namespace physics {
 /// With f(u, cf) the law's force, df = -K du:  d(-J1^T f) = J1^T K du - dJ1^T f - J1^T df/dcf dcf.
 template <int Rows>
 void ContactPort<Rows>::differentiate(std::span<const double> x, const ContactResponse<Rows>& response,
-                                      const StepStart& start, Sensitivity& out) const {
+                                      Sensitivity& out) const {
   using Columns = Eigen::Matrix<double, 6, Rows>;
-  const Pose& now = bodies_->now[body_];
+  const Pose now = bodies_->pose_now(body_);
   const NextPose next = bodies_->pose_next(body_);
   const Eigen::Map<const Vec3> w2(x.data() + row_ + 3);
   const Mat3 to_body = now.rotation.transpose();
@@ -41,7 +41,7 @@ void ContactPort<Rows>::differentiate(std::span<const double> x, const ContactRe
     const double *u = response.rate, *f = response.force;
     Vector6 by_turn = stiff.col(1) * u[2] - stiff.col(2) * u[1];
     by_turn -= force.col(2) * f[1] - force.col(1) * f[2];
-    const Vec3 &w = start.w[body_], t2 = to_body * axis[2];
+    const Vec3 w = bodies_->spin(body_), t2 = to_body * axis[2];
     Vector6 slip_by_pose = Vector6::Zero(), slip_by_velocity;
     slip_by_pose.template tail<3>() = -(t2.transpose() * (skew(w.cross(p)) + g_.radius * skew(w) * skew(n)));
     slip_by_velocity << axis[2], g_.lever[2];
@@ -61,8 +61,7 @@ decltype(auto) whole(T& part) {
 
 }  // namespace
 
-void Contacts::differentiate(int lane, std::span<const double> x, const StepStart& start, bool basis_follows, double stiffness,
-                             Sensitivity& out) {
+void Contacts::differentiate(int lane, std::span<const double> x, bool basis_follows, double stiffness, Sensitivity& out) {
   for (int i = 0; i < per_lane_; ++i) {
     const Entry& entry = contacts_[side_by_side_.index(lane, i)];
     if (!entry.active) continue;
@@ -82,14 +81,12 @@ void Contacts::differentiate(int lane, std::span<const double> x, const StepStar
         out.friction.push_back({entry.source, bodies_.row[port.body()], 6,
                                 -port.friction_wrench(by_friction)});
       }
-      port.differentiate(x, response, start, out);
+      port.differentiate(x, response, out);
     });
   }
 }
 
-template void ContactPort<1>::differentiate(std::span<const double>, const ContactResponse<1>&, const StepStart&,
-                                            Sensitivity&) const;
-template void ContactPort<3>::differentiate(std::span<const double>, const ContactResponse<3>&, const StepStart&,
-                                            Sensitivity&) const;
+template void ContactPort<1>::differentiate(std::span<const double>, const ContactResponse<1>&, Sensitivity&) const;
+template void ContactPort<3>::differentiate(std::span<const double>, const ContactResponse<3>&, Sensitivity&) const;
 
 }  // namespace physics

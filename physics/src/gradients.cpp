@@ -76,23 +76,21 @@ StepGradient::Impl::Rewound::Rewound(Impl& owner) : owner_(owner) {
   owner_.unknowns = s.unknowns;
   exchange();
   --owner_.lane().step_index;
-  s.load_state_into_terms(only, s.dt);
+  s.begin({&only, 1}, s.dt);
   s.apply_loads(only, owner_.impulse_time);
   for (int j = 0; j < s.joints.size(); ++j) s.joints.prepare(j, owner_.lane().time, owner_.impulse_time);
-  s.joints.aim();
+  s.joints.aim({&only, 1});
   s.unknowns = owner_.unknowns;
 }
 
 StepGradient::Impl::Rewound::~Rewound() {
-  Simulator::Impl& s = owner_.simulator;
   ++owner_.lane().step_index;
   exchange();
-  for (int i = 0; i < s.bodies.size(); ++i) s.bodies.place(i, s.state.x[i], s.state.q[i]);
 }
 
 void StepGradient::Impl::Rewound::exchange() {
   Simulator::Impl& s = owner_.simulator;
-  std::swap(s.state, s.saved_state);
+  s.bodies.exchange_with_saved();
   std::swap(owner_.lane().state, owner_.lane().saved_state);
   for (int j = 0; j < s.joints.size(); ++j) s.joints.exchange_coordinate(j);
 }
@@ -110,14 +108,13 @@ GradientStatus StepGradient::Impl::evaluate() {
   x = s.unknowns;
   const graphsolve::Status status = s.solver->linearize(x, settings.smoothing, stiffness, matrix);
   if (status == graphsolve::Status::solved) {
-    const StepStart start{.v = s.state.v, .w = s.state.w, .time_step = l.state.time_step,
-                          .half_kick = l.state.half_kick, .impulse_time = impulse_time, .gravity = l.mechanism.gravity};
+    const StepStart start{.time_step = l.state.time_step, .half_kick = l.state.half_kick, .impulse_time = impulse_time,
+                          .gravity = l.mechanism.gravity};
     sensitivity.clear();
     s.bodies.differentiate(x, start, sensitivity);
     add_load_arms();
-    s.joints.differentiate(x, sensitivity);
-    s.contacts->differentiate(only, x, start, settings.friction_basis == FrictionBasis::following, stiffness,
-                              sensitivity);
+    s.joints.differentiate(x, start, sensitivity);
+    s.contacts->differentiate(only, x, settings.friction_basis == FrictionBasis::following, stiffness, sensitivity);
     for (int i = 0; i < s.bodies.size(); ++i) next[i] = s.bodies.pose_next(i);
     ready = true;
   }
@@ -134,7 +131,7 @@ void StepGradient::Impl::add_load_arms() {
     if (step < load.first_step || step > load.last_step) continue;
     const Placement& place = l.placement[load.body.index];
     if (place.body < 0 || place.offset.isZero()) continue;
-    const Vec3 local = simulator.bodies.now[place.body].rotation.transpose() * load.force;
+    const Vec3 local = simulator.bodies.pose_now(place.body).rotation.transpose() * load.force;
     sensitivity.pose[place.body].bottomRightCorner<3, 3>() -= impulse_time * skew(place.offset) * skew(local);
   }
 }

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 #include "motor.hpp"
-#include "simd/placement.hpp"
 
 namespace physics {
 
@@ -78,8 +76,6 @@ Mat3 Joints::locked_rotations(const JointGeometry& geometry) {
 
 void Joints::reserve(int joints) {
   joints_.reserve(joints);
-  wrenches_.reserve(joints);
-  to_aim_.reserve(joints);
 }
 
 void Joints::add(const JointGeometry& geometry, const Motor* motor, graphsolve::NodeId node) {
@@ -87,8 +83,6 @@ void Joints::add(const JointGeometry& geometry, const Motor* motor, graphsolve::
   if (geometry.child >= 0) joint.nodes[joint.node_count++] = bodies_.node(geometry.child);
   if (geometry.parent >= 0) joint.nodes[joint.node_count++] = bodies_.node(geometry.parent);
   joints_.push_back(joint);
-  to_aim_.reserve(joints_.capacity());
-  wrenches_.emplace_back();
 }
 
 void Joints::set(int i, const JointGeometry& geometry, const Motor* motor) {
@@ -100,92 +94,6 @@ void Joints::set(int i, const JointGeometry& geometry, const Motor* motor) {
   const int octet = octet_of(joint.place), lane = lane_of(joint.place), frames = octets_[octet].frames;
   set_lane(geometry, points_[octet], lane);
   if (frames >= 0) set_lane(geometry, frames_[frames], lane);
-}
-
-void Joints::wire(const graphsolve::Wiring& wiring) {
-  if (joints_.empty()) return;
-  std::vector<Placed> placed;
-  for (Joint& joint : joints_) {
-    const auto own = joint.nodes[0];
-    placed.push_back({static_cast<int>(joint.kind), wiring.block(own, own)});
-    joint.row = wiring.row(own);
-    if (joint.geometry.parent >= 0) joint.parent_row = wiring.row(bodies_.node(joint.geometry.parent));
-    if (joint.geometry.child >= 0) joint.child_row = wiring.row(bodies_.node(joint.geometry.child));
-  }
-  kernels_ = joint_kernels();
-  move_to(places_in_octets(placed));
-  find_blocks(wiring);
-  find_neighbours();
-}
-
-/// Makes octets for these places, by joint. Motors and force directions come along from where they were.
-void Joints::move_to(std::span<const int> places) {
-  const int octets = octets_for(1 + *std::max_element(places.begin(), places.end()));
-  const auto octets_before = std::exchange(octets_, std::vector<JointOctet>(octets));
-  const auto motors_before = std::exchange(motors_, {});
-  const auto forces_before = std::exchange(forces_, {});
-  points_.assign(octets, {});
-  joint_at_.assign(octets * graphsolve::simd::lanes, -1);
-  groups_.resize(octets);
-  for (int i = 0; i < size(); ++i) {
-    joint_at_[places[i]] = i;
-    octets_[octet_of(places[i])].kind = joints_[i].kind;
-  }
-  int frames = 0, motors = 0, forces = 0;
-  for (JointOctet& octet : octets_) {
-    if (octet.kind != JointRows::spherical) octet.frames = frames++;
-    if (physics::has_motor(octet.kind)) octet.motor = motors++;
-    octet.forces = forces;
-    forces += 12 * physics::rows_of(octet.kind);
-  }
-  frames_.assign(frames, {});
-  motors_.assign(motors, {});
-  forces_.assign(forces, {});
-  for (int i = 0; i < size(); ++i) {
-    Joint& joint = joints_[i];
-    const int before = std::exchange(joint.place, places[i]);
-    set(i, joint.geometry, joint.motor);
-    if (before < 0) continue;
-    const JointOctet &from = octets_before[octet_of(before)], &to = octets_[octet_of(joint.place)];
-    const int from_lane = lane_of(before), to_lane = lane_of(joint.place);
-    if (joint.motor) copy_lane(motors_before[from.motor], from_lane, motors_[to.motor], to_lane);
-    for (int e = 0; e < 12 * physics::rows_of(joint.kind); ++e)
-      forces_[to.forces + e][to_lane] = forces_before[from.forces + e][from_lane];
-  }
-}
-
-void Joints::find_blocks(const graphsolve::Wiring& wiring) {
-  blocks_.assign(octets_.size(), {});
-  for (const Joint& joint : joints_) {
-    const auto own = joint.nodes[0];
-    const int lane = lane_of(joint.place);
-    JointBlocks& blocks = blocks_[octet_of(joint.place)];
-    blocks.own.set(lane, wiring.block(own, own));
-    const auto connect = [&](int body, graphsolve::simd::LaneBlocks& to, graphsolve::simd::LaneBlocks& from) {
-      if (body < 0) return;
-      to.set(lane, wiring.claim(own, bodies_.node(body)));
-      from.set(lane, wiring.claim(bodies_.node(body), own));
-    };
-    connect(joint.geometry.parent, blocks.to_parent, blocks.from_parent);
-    connect(joint.geometry.child, blocks.to_child, blocks.from_child);
-  }
-  for (JointBlocks& blocks : blocks_)
-    for (auto* some : {&blocks.own, &blocks.to_child, &blocks.from_child, &blocks.to_parent, &blocks.from_parent}) some->finish();
-}
-
-/// Octets of bodies that lie in the lanes of their joints.
-void Joints::find_neighbours() {
-  for (int octet = 0; octet < static_cast<int>(octets_.size()); ++octet) {
-    constexpr int lanes = graphsolve::simd::lanes;
-    std::array<int, lanes> parent, child;
-    for (int l = 0; l < lanes; ++l) {
-      const int i = joint_at_[octet * lanes + l];
-      parent[l] = i < 0 ? Bodies::nothing : joints_[i].geometry.parent;
-      child[l] = i < 0 ? Bodies::nothing : joints_[i].geometry.child;
-    }
-    octets_[octet].parents = bodies_.octet_of_all(parent);
-    octets_[octet].children = bodies_.octet_of_all(child);
-  }
 }
 
 void Joints::violation(const Joint& joint, const Pose& a, const Pose& b, double* g) const {
@@ -209,7 +117,7 @@ void Joints::directions(const JointGeometry& geometry, const Motor* motor, const
                         Matrix6& parent, Matrix6& child) {
   JointPoints points;
   JointFrames frames;
-  Octet forces[2][36];
+  Octet forces[2][36], stands[7], poses[2][16];
   set_lane(geometry, points, 0);
   set_lane(geometry, frames, 0);
   JointTask task;
@@ -218,10 +126,19 @@ void Joints::directions(const JointGeometry& geometry, const Motor* motor, const
   task.frames = &frames;
   task.child_force = forces[0];
   task.parent_force = forces[1];
+  task.stands = stands;
   task.used = 1;
-  std::fill_n(task.parent, 8, a.x.data());
-  std::fill_n(task.child, 8, b.x.data());
+  for (int k = 0; k < 16; ++k) {
+    poses[0][k][0] = a.x.data()[k];
+    poses[1][k][0] = b.x.data()[k];
+  }
+  task.parents = poses[0];
+  task.children = poses[1];
   joint_kernels().aim(task);
+  for (int r = 0; translations(task.rows) == 3 && r < 3; ++r) {
+    forces[0][7 * r][0] = 1;
+    forces[1][7 * r][0] = -1;
+  }
   parent = rows_at(forces[1], 6, 0);
   child = rows_at(forces[0], 6, 0);
 }
@@ -245,6 +162,8 @@ JointTask Joints::task_of(int octet, unsigned used) {
   task.motor = o.motor < 0 ? nullptr : &motors_[o.motor];
   task.child_force = &forces_[o.forces];
   task.parent_force = task.child_force + 6 * physics::rows_of(o.kind);
+  task.stands = wrenches_[octet].stands;
+  task.children_are_world = o.children_are_world;
   task.used = used;
   return task;
 }
@@ -258,9 +177,7 @@ double Joints::coordinate(const Joint& joint, const Pose& a, const Pose& b) cons
 }
 
 void Joints::prepare(int i, double end_time, double impulse_time) {
-  Joint& joint = joints_[i];
-  joint.impulse_time = impulse_time;
-  to_aim_.push_back(i);
+  const Joint& joint = joints_[i];
   if (!joint.motor) return;
   MotorOctet& m = motor_octet(joint);
   const int lane = lane_of(joint.place);
@@ -294,7 +211,10 @@ void Joints::impulse(int i, std::span<const double> x, Vec3& linear, Vec3& angul
   Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
   for (int r = 0; r < rows(i); ++r) wrench += force.row(r).transpose() * x[joint.row + r];
   linear = wrench.head<3>();
-  angular = joint.force_orientation * wrench.tail<3>() - joint.force_arm.cross(linear);
+  const Octet* stands = wrenches_[octet_of(joint.place)].stands;
+  const auto number = [&](int k) { return stands[k][lane_of(joint.place)]; };
+  const Quat orientation(number(3), number(0), number(1), number(2));
+  angular = orientation * wrench.tail<3>() - Vec3(number(4), number(5), number(6)).cross(linear);
   if (!on_child) linear = -linear, angular = -angular;
 }
 

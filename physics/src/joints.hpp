@@ -9,6 +9,7 @@
 namespace physics {
 
 struct Sensitivity;
+struct StepStart;
 
 /// q_a^-1 q_b q_off^-1, on the half of the double cover that holds the identity.
 Quat relative_rotation(const JointGeometry& g, const Pose& a, const Pose& b);
@@ -23,7 +24,8 @@ class Joints final : public graphsolve::Term {
  public:
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-  explicit Joints(Bodies& bodies) : bodies_(bodies) {}
+  /// copies: of the scene, side by side.
+  explicit Joints(Bodies& bodies, int copies = 1) : bodies_(bodies), of_copies_(copies) {}
 
   /// Rows that a joint of this geometry has.
   static int rows_of(const JointGeometry& geometry, const Motor* motor);
@@ -32,11 +34,11 @@ class Joints final : public graphsolve::Term {
   /// Other numbers for joint i, of the same type between the same bodies.
   void set(int i, const JointGeometry& geometry, const Motor* motor);
 
-  /// Before a step: motor state. end_time: of the step [s]. impulse_time: what makes an impulse of a force, dt or half
-  /// of it [s].
+  /// Before a step, of a joint with a motor: its state. end_time: of the step [s]. impulse_time: what makes an impulse of
+  /// a force, dt or half of it [s].
   void prepare(int i, double end_time, double impulse_time);
-  /// Force directions at `now` of the joints that were prepared since the last call.
-  void aim();
+  /// Force directions of all joints of these copies, at the pose between steps.
+  void aim(std::span<const int> copies);
   /// After a step that is kept: remembers the motor's coordinate.
   void commit(int i) {
     Joint& joint = joints_[i];
@@ -47,7 +49,7 @@ class Joints final : public graphsolve::Term {
   void restore(int i) { joints_[i].coordinate = joints_[i].saved_coordinate; }
   /// Exchanges the motor's coordinate with what was kept.
   void exchange_coordinate(int i) { std::swap(joints_[i].coordinate, joints_[i].saved_coordinate); }
-  /// Sets the motor's coordinate from the poses `now`.
+  /// Sets the motor's coordinate from the poses between steps.
   void reset_coordinate(int i);
   /// After that: adds the full turns, by the effort of the step that led to these poses and velocities x at this time.
   void find_turn(int i, double effort, double time, std::span<const double> x);
@@ -62,7 +64,7 @@ class Joints final : public graphsolve::Term {
                 double* values) override;
 
   /// At the solution x of a step: derivatives of the residual by what the step was given, after those of the bodies.
-  void differentiate(std::span<const double> x, Sensitivity& out) const;
+  void differentiate(std::span<const double> x, const StepStart& start, Sensitivity& out) const;
 
   [[nodiscard]] const JointGeometry& geometry(int i) const { return joints_[i].geometry; }
   [[nodiscard]] int row(int i) const { return joints_[i].row; }
@@ -75,7 +77,7 @@ class Joints final : public graphsolve::Term {
   /// Impulse on the child, world frame, and angular impulse about its joint point, from the multipliers.
   void impulse(int i, std::span<const double> x, Vec3& linear, Vec3& angular) const;
   [[nodiscard]] double motor_impulse(int i, std::span<const double> x) const;
-  /// Joint rows times given velocities at `now`: how fast the start opens the joint [m/s, rad/s].
+  /// Joint rows times given velocities: how fast the start opens the joint [m/s, rad/s].
   [[nodiscard]] double opening_rate(int i, std::span<const double> x) const;
 
  private:
@@ -87,12 +89,8 @@ class Joints final : public graphsolve::Term {
     int node_count;
     int row = -1, parent_row = -1, child_row = -1;
     int place = -1;  ///< lane and octet that hold its numbers and force directions, once it is wired
-    double coordinate = 0;              ///< of the motor at `now`
+    double coordinate = 0;              ///< of the motor between steps
     double saved_coordinate = 0;
-    double impulse_time = 0;  ///< impulse over force in this step [s]
-    // Where the recorded body stood when the force acted on it: the child, or the parent of a child in the world.
-    Quat force_orientation = Quat::Identity();
-    Vec3 force_arm = Vec3::Zero();  ///< from its centre to the child's joint point, world
   };
 
   void violation(const Joint& joint, const Pose& a, const Pose& b, double* g) const;
@@ -108,19 +106,21 @@ class Joints final : public graphsolve::Term {
   void move_to(std::span<const int> places);
   void find_blocks(const graphsolve::Wiring& wiring);
   void find_neighbours();
-  void aim_at_next(std::span<const int> joints);
-  static void keep_arm(Joint& joint, const Pose& parent, const Pose& child);
-  struct NextRoom {
-    Bodies::NextRoom parents, children;
-  };
-  void point_at_next(JointTask& task, int octet, NextRoom& room) const;
+  void find_pushes();
+  [[nodiscard]] std::array<int, 2> bodies_of(int i) const {  ///< child, parent
+    return {joints_[i].geometry.child, joints_[i].geometry.parent};
+  }
+  [[nodiscard]] unsigned lanes_used(int octet) const;
+  using When = Bodies::When;
+  void aim_octet(int octet, unsigned used, When when);
+  void point_at(JointTask& task, int octet, When when) const;
   void evaluate_octet(int octet, unsigned used, std::span<const double> x, std::span<double> residual, double* values);
-  void add_forces(int i, std::span<const double> x, std::span<double> residual, double* values);
+  void push();
   struct DirectionDerivative;
   void differentiate_translation(const Joint& joint, std::span<const double> lambda, DirectionDerivative& d) const;
   void differentiate_rotation(const Joint& joint, std::span<const double> lambda, DirectionDerivative& d) const;
   void differentiate_rows(const Joint& joint, Sensitivity& out) const;
-  void differentiate_effort(const Joint& joint, Sensitivity& out) const;
+  void differentiate_effort(const Joint& joint, double impulse_time, Sensitivity& out) const;
   void add_direction_derivative(const Joint& joint, const Vec3& impulse, double* values) const;
   /// Is the effort at its limit at the last point evaluated?
   [[nodiscard]] bool limited(const Joint& joint) const {
@@ -134,7 +134,16 @@ class Joints final : public graphsolve::Term {
     JointRows kind;
     int frames = -1, motor = -1;
     int forces = 0;  ///< of the children, by row; then of the parents
-    const BodyAtOctet *parents = nullptr, *children = nullptr;  ///< octets of bodies that lie in the same lanes
+    int parents = -1, children = -1;  ///< octets of bodies that lie in the same lanes
+    unsigned children_are_world = 0;  ///< lanes where the child is
+    // By lane; those without a joint stand in for one that is there.
+    std::array<int, graphsolve::simd::lanes> rows{}, parent{}, child{};  ///< first row; places of the bodies
+  };
+  /// What joints do to bodies: an octet to an octet in the same lanes, or one lane to one body.
+  struct Push {
+    int octet, lane;  ///< -1: all
+    int body;         ///< octet, or place
+    bool on_parent;
   };
   [[nodiscard]] JointTask task_of(int octet, unsigned used);
   [[nodiscard]] MotorOctet& motor_octet(const Joint& joint) { return motors_[octets_[octet_of(joint.place)].motor]; }
@@ -150,8 +159,10 @@ class Joints final : public graphsolve::Term {
   JointKernels kernels_{};
   std::vector<int> joint_at_;               ///< by place
   OctetGroups groups_;
-  std::vector<int> to_aim_;
-  std::vector<std::array<double, 12>> wrenches_;  ///< by joint, at the last point evaluated: on child, on parent
+  OctetsOfCopies of_copies_;
+  std::vector<JointWrenches> wrenches_;  ///< by octet
+  std::vector<unsigned> running_;        ///< by octet: lanes that were evaluated last
+  std::vector<Push> pushes_;             ///< to each body in the order of the joints: sums in bits depend on it
 };
 
 }  // namespace physics

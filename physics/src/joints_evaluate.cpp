@@ -4,50 +4,29 @@
 /// Force directions of all joints, residual and blocks at the iterate: octets by kernels, forces one by one.
 namespace physics {
 
-void Joints::aim() {
-  groups_.each(to_aim_, 0, [&](int i) { return joints_[i].place; }, [&](int octet, unsigned used) {
-    JointTask task = task_of(octet, used);
-    each_lane(octet, used, [&](int lane, int place) {
-      const JointGeometry& g = joints_[joint_at_[place]].geometry;
-      task.parent[lane] = bodies_.pose_now(g.parent).x.data();
-      task.child[lane] = bodies_.pose_now(g.child).x.data();
-    });
-    kernels_.aim(task);
-  });
-  for (const int i : to_aim_) {
-    const JointGeometry& g = joints_[i].geometry;
-    keep_arm(joints_[i], bodies_.pose_now(g.parent), bodies_.pose_now(g.child));
-  }
-  to_aim_.clear();
+void Joints::aim(std::span<const int> copies) {
+  of_copies_.each(copies, [&](int octet, unsigned used) { aim_octet(octet, used, When::now); });
 }
 
-void Joints::aim_at_next(std::span<const int> joints) {
-  groups_.each(joints, 0, [&](int i) { return joints_[i].place; }, [&](int octet, unsigned used) {
-    JointTask task = task_of(octet, used);
-    NextRoom room{Bodies::NextRoom(bodies_), Bodies::NextRoom(bodies_)};
-    point_at_next(task, octet, room);
-    kernels_.aim(task);
-  });
-  for (const int i : joints) {
-    const JointGeometry& g = joints_[i].geometry;
-    keep_arm(joints_[i], bodies_.pose_next(g.parent), bodies_.pose_next(g.child));
-  }
-}
-
-/// Where the recorded body stands as the force acts on it.
-void Joints::keep_arm(Joint& joint, const Pose& parent, const Pose& child) {
-  const Pose& recorded = joint.geometry.child >= 0 ? child : parent;
-  joint.force_orientation = recorded.q;
-  joint.force_arm = child.x + child.rotation * joint.geometry.child_point - recorded.x;
+void Joints::aim_octet(int octet, unsigned used, When when) {
+  JointTask task = task_of(octet, used);
+  point_at(task, octet, when);
+  kernels_.aim(task);
 }
 
 void Joints::evaluate(graphsolve::Instances instances, std::span<const double> x, std::span<double> residual,
                       double* values) {
-  if (bodies_.force_at_next) aim_at_next(instances.index);
-  groups_.each(instances.index, instances.version, [&](int i) { return joints_[i].place; },
-               [&](int octet, unsigned used) { evaluate_octet(octet, used, x, residual, values); });
-  // In the order of the joints, whatever octets they are in: sums in bits depend on it.
-  for (const int i : instances.index) add_forces(i, x, residual, values);
+  if (joints_.empty()) return;
+  std::ranges::fill(running_, 0u);
+  groups_.each(instances.index, instances.version, [&](int i) { return joints_[i].place; }, [&](int octet, unsigned used) {
+    if (bodies_.force_at_next) aim_octet(octet, used, When::next);
+    evaluate_octet(octet, used, x, residual, values);
+    running_[octet] = used;
+  });
+  push();
+  bodies_.hand_out(residual);
+  if (!values || !bodies_.force_at_next) return;
+  for (const int i : instances.index) add_direction_derivative(joints_[i], Eigen::Map<const Vec3>(x.data() + joints_[i].row), values);
 }
 
 void Joints::evaluate_octet(int octet, unsigned used, std::span<const double> x, std::span<double> residual,
@@ -56,40 +35,41 @@ void Joints::evaluate_octet(int octet, unsigned used, std::span<const double> x,
   task.dt = bodies_.dt;
   task.values = values;
   task.blocks = &blocks_[octet];
-  NextRoom room{Bodies::NextRoom(bodies_), Bodies::NextRoom(bodies_)};
-  point_at_next(task, octet, room);
-  each_lane(octet, used, [&](int lane, int place) {
-    const int i = joint_at_[place];
-    const Joint& joint = joints_[i];
-    task.impulses[lane] = x.data() + joint.row;
-    task.residual[lane] = residual.data() + joint.row;
-    task.wrenches[lane] = wrenches_[i].data();
-  });
+  point_at(task, octet, When::next);
+  for (int l = 0; l < graphsolve::simd::lanes; ++l) {
+    task.impulses[l] = x.data() + octets_[octet].rows[l];
+    task.residual[l] = residual.data() + octets_[octet].rows[l];
+  }
+  task.wrenches = &wrenches_[octet];
   kernels_.evaluate(task);
 }
 
-/// At the poses of the present iterate: whole octets, or copies in `room`.
-void Joints::point_at_next(JointTask& task, int octet, NextRoom& room) const {
-  task.parents = octets_[octet].parents;
-  task.children = octets_[octet].children;
-  if (task.parents && task.children) return;
-  each_lane(octet, task.used, [&](int lane, int place) {
-    const JointGeometry& g = joints_[joint_at_[place]].geometry;
-    if (!task.parents) task.parent[lane] = room.parents.at(lane, g.parent);
-    if (!task.children) task.child[lane] = room.children.at(lane, g.child);
-  });
+/// Poses: whole octets, or lane by lane.
+void Joints::point_at(JointTask& task, int octet, When when) const {
+  const JointOctet& o = octets_[octet];
+  const auto point = [&](int whole, const auto& places, const Octet*& all, const double** lanes) {
+    const auto poses = [&](int bodies) { return when == When::now ? bodies_.poses_now(bodies) : bodies_.poses_next(bodies); };
+    if (whole >= 0) {
+      all = poses(whole);
+      return;
+    }
+    for (int l = 0; l < graphsolve::simd::lanes; ++l) lanes[l] = &poses(octet_of(places[l]))->lane[lane_of(places[l])];
+  };
+  point(o.parents, o.parent, task.parents, task.parent);
+  point(o.children, o.child, task.children, task.child);
 }
 
-/// What the octets leave out: forces on the bodies.
-void Joints::add_forces(int i, std::span<const double> x, std::span<double> residual, double* values) {
-  const Joint& joint = joints_[i];
-  const double* wrench = wrenches_[i].data();
-  if (joint.child_row >= 0)
-    for (int k = 0; k < 6; ++k) residual[joint.child_row + k] -= wrench[k];
-  if (joint.parent_row >= 0)
-    for (int k = 0; k < 6; ++k) residual[joint.parent_row + k] -= wrench[6 + k];
-  if (values && bodies_.force_at_next)
-    add_direction_derivative(joint, Eigen::Map<const Vec3>(x.data() + joint.row), values);
+/// Forces on the bodies.
+void Joints::push() {
+  for (const Push& p : pushes_) {
+    const unsigned used = running_[p.octet];
+    const Octet* wrench = p.on_parent ? wrenches_[p.octet].parent : wrenches_[p.octet].child;
+    if (p.lane >= 0) {
+      if (used >> p.lane & 1u) bodies_.push_one(p.body, wrench, p.lane);
+    } else if (used != 0) {
+      bodies_.push(p.body, used, wrench);
+    }
+  }
 }
 
 /// With directions at z_{k+2} the torque p x R^T impulse turns with the body. (Of the rows in all three axes of the

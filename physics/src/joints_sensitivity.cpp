@@ -34,7 +34,7 @@ struct Joints::DirectionDerivative {
 /// World axes: torques p x R^T f. Axes of the parent: f = R_a c, on the child's point, against the parent's frame.
 void Joints::differentiate_translation(const Joint& joint, std::span<const double> lambda, DirectionDerivative& d) const {
   const JointGeometry& g = joint.geometry;
-  const Pose &a = bodies_.pose_now(g.parent), &b = bodies_.pose_now(g.child);
+  const Pose a = bodies_.pose_now(g.parent), b = bodies_.pose_now(g.child);
   if (translations(joint.kind) == 3) {
     const Vec3 f(lambda[0], lambda[1], lambda[2]);
     d.child_by_child.bottomRightCorner<3, 3>() += skew(g.child_point) * skew(b.rotation.transpose() * f);
@@ -106,7 +106,7 @@ void Joints::differentiate_rows(const Joint& joint, Sensitivity& out) const {
 }
 
 /// An effort on the free coordinate: added to what the motor wants, or along the axis of a joint without one.
-void Joints::differentiate_effort(const Joint& joint, Sensitivity& out) const {
+void Joints::differentiate_effort(const Joint& joint, double impulse_time, Sensitivity& out) const {
   const JointGeometry& g = joint.geometry;
   if (g.type != JointType::revolute && g.type != JointType::prismatic) return;
   if (joint.motor) {
@@ -119,16 +119,16 @@ void Joints::differentiate_effort(const Joint& joint, Sensitivity& out) const {
   Matrix6 parent, child;
   directions(g, &any, bodies_.pose_now(g.parent), bodies_.pose_now(g.child), parent, child);
   const auto push = [&](int body, int row, const Matrix6& force) {
-    if (body >= 0) out.effort.push_back({g.source, row, 6, -joint.impulse_time * force.row(5).transpose()});
+    if (body >= 0) out.effort.push_back({g.source, row, 6, -impulse_time * force.row(5).transpose()});
   };
   push(g.parent, joint.parent_row, parent);
   push(g.child, joint.child_row, child);
 }
 
-void Joints::differentiate(std::span<const double> x, Sensitivity& out) const {
+void Joints::differentiate(std::span<const double> x, const StepStart& start, Sensitivity& out) const {
   for (const Joint& joint : joints_) {
     differentiate_rows(joint, out);
-    differentiate_effort(joint, out);
+    differentiate_effort(joint, start.impulse_time, out);
     const std::span<const double> lambda = x.subspan(joint.row, physics::rows_of(joint.kind));
     DirectionDerivative d;
     differentiate_translation(joint, lambda, d);

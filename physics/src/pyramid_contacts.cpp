@@ -99,6 +99,7 @@ void PyramidContacts::find_lane_places(const graphsolve::Wiring& wiring) {
       if (contact_at_[octet * graphsolve::simd::lanes + l] >= 0) used |= 1u << l;
     each_contact(octet, used, [&](int lane, int i) {
       places.row[lane] = wiring.row(seats_[i].node);
+      places.body[lane] = bodies_.place_of(seats_[i].body);
       places.component[lane] = wiring.component(seats_[i].node);
     });
     places.used = used;
@@ -147,11 +148,16 @@ void PyramidContacts::give(const ContactTask& task, int octet, F&& f) const {
   }
 }
 
-/// At the present iterate: a whole octet, or copies in `room`.
-void PyramidContacts::point_at_poses(ContactTask& task, int octet, Bodies::NextRoom& room) const {
-  task.bodies = beside_[octet];
-  if (task.bodies) return;
-  each_contact(octet, task.used, [&](int lane, int i) { task.pose[lane] = room.at(lane, seats_[i].body); });
+/// Whole octets, or lane by lane.
+void PyramidContacts::point_at_poses(ContactTask& task, int octet, When when) const {
+  const auto poses = [&](int bodies) { return when == When::now ? bodies_.poses_now(bodies) : bodies_.poses_next(bodies); };
+  if (beside_[octet] >= 0) {
+    task.poses = poses(beside_[octet]);
+    if (when == When::next) task.velocities = bodies_.velocities_next(beside_[octet]);
+    return;
+  }
+  const auto& places = lane_places_[octet].body;
+  for (int l = 0; l < graphsolve::simd::lanes; ++l) task.pose[l] = &poses(octet_of(places[l]))->lane[lane_of(places[l])];
 }
 
 template <class T>
@@ -165,7 +171,7 @@ void PyramidContacts::look(std::span<const double> velocity) {
     task.octet = &octets_[octet];
     task.used = lane_places_[octet].used;
     task.one_body = one_body_[octet] != 0;
-    each_contact(octet, task.used, [&](int lane, int i) { task.pose[lane] = bodies_.now[seats_[i].body].x.data(); });
+    point_at_poses(task, octet, When::now);
     point_at_rows(task.x, octet, velocity.data());
     kernels_.look(task);
   }
@@ -180,7 +186,7 @@ void PyramidContacts::save() {
 
 void PyramidContacts::remember(Instances instances, double factor) {
   each_octet(instances, [&](ContactTask& task, int octet) {
-    each_contact(octet, task.used, [&](int lane, int i) { task.pose[lane] = bodies_.now[seats_[i].body].x.data(); });
+    point_at_poses(task, octet, When::now);
     kernels_.remember(task, factor);
   });
 }
@@ -198,8 +204,7 @@ void PyramidContacts::start_warm(Instances instances, std::span<const double> x,
                                  std::span<const double> scale) {
   if (bodies_.force_at_next) aim_at_next(instances.index);
   each_octet(instances, [&](ContactTask& task, int octet) {
-    Bodies::NextRoom room(bodies_);
-    point_at_poses(task, octet, room);
+    point_at_poses(task, octet, When::next);
     point_at_rows(task.x, octet, x.data());
     take(task.first, task, octet, mu);
     take(task.second, task, octet, scale);
@@ -218,8 +223,7 @@ void PyramidContacts::evaluate(Instances instances, std::span<const double> x, s
                                std::span<const double> scale, std::span<double> error, std::span<double> product) {
   if (bodies_.force_at_next) aim_at_next(instances.index);
   each_octet(instances, [&](ContactTask& task, int octet) {
-    Bodies::NextRoom room(bodies_);
-    point_at_poses(task, octet, room);
+    point_at_poses(task, octet, When::next);
     point_at_rows(task.x, octet, x.data());
     point_at_rows(task.rows, octet, residual.data());
     take(task.second, task, octet, scale);

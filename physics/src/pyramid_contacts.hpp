@@ -55,7 +55,7 @@ class PyramidPort : public PlanePoint<PyramidPort> {
     const ContactOctet& o = *octet_;
     return {o.distance[lane_], o.approach[lane_], {o.slip[0][lane_], o.slip[1][lane_]}};
   }
-  void prepare() { prepare(bodies_->now[body_]); }
+  void prepare() { prepare(bodies_->pose_now(body_)); }
   void prepare(const Pose& pose);
   /// The same as a port of its own.
   [[nodiscard]] ContactPort<3> copy() const;
@@ -118,7 +118,8 @@ class PyramidContacts final : public graphsolve::PortBatch {
   void take(Octet& to, const ContactTask& task, int octet, std::span<const double> from) const;
   template <class F>
   void give(const ContactTask& task, int octet, F&& f) const;
-  void point_at_poses(ContactTask& task, int octet, Bodies::NextRoom& room) const;
+  using When = Bodies::When;
+  void point_at_poses(ContactTask& task, int octet, When when) const;
   template <class T>
   void point_at_rows(T** to, int octet, T* x) const;
   void aim_at_next(std::span<const int> contacts);
@@ -132,12 +133,12 @@ class PyramidContacts final : public graphsolve::PortBatch {
   // Contacts in octets, known once they are wired.
   std::vector<int> place_, contact_at_;
   struct LanePlaces {
-    std::array<int, graphsolve::simd::lanes> row, component;  ///< of the body
-    unsigned used;                                            ///< lanes that have a contact
-    bool side_by_side;                                        ///< eight components that follow each other
+    std::array<int, graphsolve::simd::lanes> row, component, body;  ///< of the body; its place
+    unsigned used;      ///< lanes that have a contact
+    bool side_by_side;  ///< eight components that follow each other
   };
   std::vector<LanePlaces> lane_places_;     ///< by octet
-  std::vector<const BodyAtOctet*> beside_;  ///< by octet: its bodies, if they lie in the same lanes
+  std::vector<int> beside_;                 ///< by octet: that of its bodies, if they lie in the same lanes
   ContactKernels kernels_{};
   std::vector<char> one_body_;  ///< by octet: its contacts are on the same body
   std::vector<graphsolve::simd::LaneBlocks> blocks_;  ///< by octet

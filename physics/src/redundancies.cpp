@@ -7,13 +7,15 @@
 
 namespace physics {
 
+static constexpr int only[] = {0};  ///< the lane of a simulator
+
 /// Groups dependent joint rows: two that share a joint belong together.
 std::vector<std::string> Simulator::redundancies() const {
   Impl& s = *impl_;
   const Lane& lane = s.lanes.front();
-  s.load_state_into_terms(0, s.dt);
+  s.begin(only, s.dt);
   for (int j = 0; j < s.joints.size(); ++j) s.joints.prepare(j, lane.time + s.dt, s.dt);
-  s.joints.aim();
+  s.joints.aim(only);
   const auto& factorization = s.solver->factorize_terms(s.unknowns);
   std::vector<double> y(s.unknowns.size());
   struct Group {

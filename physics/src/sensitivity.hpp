@@ -10,10 +10,9 @@ namespace physics {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-/// What a step was given, beside the poses.
+/// What a step was given, beside the state of the bodies.
 struct StepStart {
-  std::span<const Vec3> v, w;  ///< by rigid body
-  double time_step = 0;        ///< of the step that made them [s]
+  double time_step = 0;        ///< of the step that made the velocities [s]
   bool half_kick = false;      ///< they are velocities at the pose
   double impulse_time = 0;     ///< impulse over force [s]
   Vec3 gravity = Vec3::Zero();

@@ -14,6 +14,9 @@ using graphsolve::Status;
 
 namespace {
 
+/// [rad/s] at the start of a step of length h
+double most_spin(double h) { return 0.95 * Bodies::largest_turn / h; }
+
 constexpr int more_when_turned = 16;  ///< the last resort may take this many times more substeps
 
 /// Where a step fails, more and shorter ones; where these fail too, with the force directions at the new configuration.
@@ -29,8 +32,8 @@ bool next_rung(Stepper::Rung& rung, int max_substeps) {
 
 void Stepper::step(std::span<const int> stepped) {
   contacts->save(stepped);
+  save(stepped);
   for (const int lane : stepped) {
-    save(lane);
     if (lanes[lane].last.ok()) lanes[lane].before = lanes[lane].last;
     lanes[lane].last = {};
   }
@@ -79,23 +82,24 @@ void Stepper::attempt(std::span<const int> tried, const Rung& rung) {
 void Stepper::advance(std::span<const int> moved, int part, int parts) {
   using Clock = std::chrono::steady_clock;
   const auto clock = [&] { return settings.time_phases ? Clock::now() : Clock::time_point(); };
-  const auto begin = clock();
+  const auto started = clock();
   const double h = dt / parts;
-  for (const int lane : moved) load_state_into_terms(lane, h);
+  begin(moved, h);
   contacts->look(unknowns);
   for (const int lane : moved) {
     const double smallest_distance = prepare(lane, h, lanes[lane].time + dt * part / parts);
     if (part == 1) lanes[lane].smallest_distance = smallest_distance;
   }
-  joints.aim();
+  joints.aim(moved);
   contacts->activate(*solver);
   const auto prepared = clock();
   const double inside = profile.evaluate + profile.factorize + profile.solve;
 
   solve(moved);
-  for (const int lane : moved)
-    if (lanes[lane].attempt.status == Status::solved) commit(lane, h);
-  times.prepare += std::chrono::duration<double>(prepared - begin).count();
+  solved_.assign(moved.begin(), moved.end());
+  std::erase_if(solved_, [&](int lane) { return lanes[lane].attempt.status != Status::solved; });
+  commit(solved_, h);
+  times.prepare += std::chrono::duration<double>(prepared - started).count();
   const double rest = std::chrono::duration<double>(clock() - prepared).count();
   times.finish += rest - (profile.evaluate + profile.factorize + profile.solve - inside);
   times.evaluate = profile.evaluate;
@@ -103,17 +107,16 @@ void Stepper::advance(std::span<const int> moved, int part, int parts) {
   times.solve = profile.solve;
 }
 
-/// After its state was loaded. Returns the smallest distance of the lane's contacts.
+/// After it was begun. Returns the smallest distance of the lane's contacts.
 double Stepper::prepare(int lane, double h, double end_time) {
   Lane& l = lanes[lane];
   const double impulse_time = l.state.half_kick ? 0.5 * h : h;
   const double factor = l.state.impulse_time > 0 ? impulse_time / l.state.impulse_time : 1.0;
   apply_loads(lane, impulse_time);
-  for (int k = 0; k < joints_per_lane; ++k) {
+  for (int k = 0; joints.any_motor() && k < joints_per_lane; ++k) joints.prepare(joint(lane, k), end_time, impulse_time);
+  for (int k = 0; factor != 1 && k < joints_per_lane; ++k) {
     const int j = joint(lane, k);
-    joints.prepare(j, end_time, impulse_time);
-    if (factor != 1)
-      for (int r = 0; r < joints.rows(j); ++r) unknowns[joints.row(j) + r] *= factor;
+    for (int r = 0; r < joints.rows(j); ++r) unknowns[joints.row(j) + r] *= factor;
   }
   const Contacts::Reach reach = contacts->prepare(lane, unknowns,
                                                   {.dt = h,
@@ -163,91 +166,95 @@ bool Stepper::take_reports(Lane& lane) {
   return lane.attempt.status == Status::solved;
 }
 
-void Stepper::load_state_into_terms(int lane, double h) {
-  const LaneState& s = lanes[lane].state;
+void Stepper::begin(std::span<const int> begun, double h) {
   bodies.dt = h;
-  for (const int c : lanes[lane].islands) noise[c] = 0;
-  for (int k = 0; k < bodies_per_lane; ++k) {
-    const int i = body(lane, k);
-    bodies.place(i, state.x[i], state.q[i]);
-    bodies.known_linear[i] = bodies.mass[i] * state.v[i];
-    bodies.known_angular[i] = s.half_kick ? Vec3(bodies.inertia[i] * state.w[i])
-                                          : momentum_minus(bodies.inertia[i], state.w[i], s.time_step);
-    double* velocity = unknowns.data() + bodies.row[i];
-    Eigen::Map<Vec3>{velocity} = state.v[i];
-    // A step that starts where |w| is too large for its length would have no defined residual.
-    const double bound = 0.95 * Bodies::largest_turn / h, spin = state.w[i].norm();
-    Eigen::Map<Vec3>{velocity + 3} = spin > bound ? Vec3(state.w[i] * (bound / spin)) : state.w[i];
-    noise[island[i]] = std::max(noise[island[i]], 8 * 2.2e-16 * state.x[i].lpNorm<Eigen::Infinity>() / h);
+  constexpr double rounding = 8 * 2.2e-16;  // of a distance
+  const auto alike = [&](int a, int b) {
+    const LaneState &s = lanes[a].state, &t = lanes[b].state;
+    return s.time_step == t.time_step && s.half_kick == t.half_kick;
+  };
+  unsigned beyond = 0;
+  for (std::size_t first = 0, end = 0; first < begun.size(); first = end) {
+    while (end < begun.size() && alike(begun[first], begun[end])) ++end;
+    const LaneState& s = lanes[begun[first]].state;
+    beyond |= bodies.begin(begun.subspan(first, end - first), {.dt = h,
+                                                               .time_step = s.time_step,
+                                                               .impulse_time = s.half_kick ? 0.5 * h : h,
+                                                               .half_kick = s.half_kick,
+                                                               .most_spin = most_spin(h),
+                                                               .most_distance = settings.tolerance * h / rounding});
+  }
+  for (const int lane : begun) {
+    for (const int c : lanes[lane].islands) noise[c] = 0;
+    if (beyond & lies_further) note_distances(lane);
+    if ((beyond & spins_faster) || !lanes[lane].state.solved_for) begin_with_velocities(lane);
   }
 }
 
-void Stepper::apply_loads(int lane, double time_of_impulse) {
-  const Lane& l = lanes[lane];
+void Stepper::begin_with_velocities(int lane) {
+  lanes[lane].state.solved_for = false;
   for (int k = 0; k < bodies_per_lane; ++k) {
     const int i = body(lane, k);
-    bodies.known_linear[i] += time_of_impulse * bodies.mass[i] * l.mechanism.gravity;
+    const Vec3 w = bodies.spin(i);
+    double* velocity = unknowns.data() + bodies.row[i];
+    Eigen::Map<Vec3>{velocity} = bodies.velocity(i);
+    // A step that starts where |w| is too large for its length would have no defined residual.
+    const double most = most_spin(bodies.dt), spin = w.norm();
+    Eigen::Map<Vec3>{velocity + 3} = spin > most ? Vec3(w * (most / spin)) : w;
   }
+}
+
+/// Far from the origin the residual of a joint cannot fall below what rounding leaves of the distance.
+void Stepper::note_distances(int lane) {
+  for (int k = 0; k < bodies_per_lane; ++k) {
+    const int i = body(lane, k);
+    noise[island[i]] = std::max(noise[island[i]], 8 * 2.2e-16 * bodies.position(i).lpNorm<Eigen::Infinity>() / bodies.dt);
+  }
+}
+
+/// What is neither gravity nor a joint's or contact's.
+void Stepper::apply_loads(int lane, double time_of_impulse) {
+  const Lane& l = lanes[lane];
   const int step = l.step_index + 1;
   for (const Load& load : l.mechanism.loads) {
     if (step < load.first_step || step > load.last_step) continue;
     const Placement& place = l.placement[load.body.index];
     if (place.body < 0) continue;
     const int i = body(lane, place.body);
-    bodies.known_linear[i] += time_of_impulse * load.force;
     // The force acts at the described body's own centre of mass.
-    const Vec3 arm = place.offset.cross(bodies.now[i].rotation.transpose() * load.force);
-    bodies.known_angular[i] += time_of_impulse * (place.rotation * load.torque + arm);
+    const Vec3 arm = place.offset.cross(bodies.pose_now(i).rotation.transpose() * load.force);
+    bodies.add_known(i, time_of_impulse * load.force, time_of_impulse * (place.rotation * load.torque + arm));
   }
 }
 
-void Stepper::commit(int lane, double h) {
-  LaneState& s = lanes[lane].state;
-  s.impulse_time = s.half_kick ? 0.5 * h : h;
-  s.potential_energy = potential_energy(lane);
-  s.previous_kinetic_energy = s.kinetic_energy;
-  for (int k = 0; k < bodies_per_lane; ++k) {
-    const int i = body(lane, k);
-    const double* velocity = unknowns.data() + bodies.row[i];
-    state.v[i] = Eigen::Map<const Vec3>(velocity);
-    state.w[i] = Eigen::Map<const Vec3>(velocity + 3);
-    // The poses of the converged iterate are those that the residual was measured at.
-    bodies.commit(i);
-    state.x[i] = bodies.now[i].x;
-    state.q[i] = bodies.now[i].q;
+/// The poses of the converged iterate are those that the residual was measured at.
+void Stepper::commit(std::span<const int> moved, double h) {
+  bodies.commit(moved);
+  for (const int lane : moved) {
+    LaneState& s = lanes[lane].state;
+    s.impulse_time = s.half_kick ? 0.5 * h : h;
+    s.time_step = h;
+    s.half_kick = false;
+    s.solved_for = true;
+    for (int k = 0; joints.any_motor() && k < joints_per_lane; ++k) joints.commit(joint(lane, k));
   }
-  s.kinetic_energy = kinetic_energy(lane);
-  s.time_step = h;
-  s.half_kick = false;
-  if (!joints.any_motor()) return;
-  for (int k = 0; k < joints_per_lane; ++k) joints.commit(joint(lane, k));
 }
 
-namespace {
-
-void copy_body(const State& from, State& to, int i) {
-  to.x[i] = from.x[i];
-  to.q[i] = from.q[i];
-  to.v[i] = from.v[i];
-  to.w[i] = from.w[i];
-}
-
-}  // namespace
-
-void Stepper::save(int lane) {
-  lanes[lane].saved_state = lanes[lane].state;
+void Stepper::save(std::span<const int> saved) {
+  bodies.save();
   const int rows = rows_per_lane();
-  std::copy_n(unknowns.data() + lane * rows, rows, saved_unknowns.data() + lane * rows);
-  for (int k = 0; k < bodies_per_lane; ++k) copy_body(state, saved_state, body(lane, k));
-  if (!joints.any_motor()) return;
-  for (int k = 0; k < joints_per_lane; ++k) joints.save(joint(lane, k));
+  for (const int lane : saved) {
+    lanes[lane].saved_state = lanes[lane].state;
+    std::copy_n(unknowns.data() + lane * rows, rows, saved_unknowns.data() + lane * rows);
+    for (int k = 0; joints.any_motor() && k < joints_per_lane; ++k) joints.save(joint(lane, k));
+  }
 }
 
 void Stepper::restore(int lane) {
   lanes[lane].state = lanes[lane].saved_state;
   const int rows = rows_per_lane();
   std::copy_n(saved_unknowns.data() + lane * rows, rows, unknowns.data() + lane * rows);
-  for (int k = 0; k < bodies_per_lane; ++k) copy_body(saved_state, state, body(lane, k));
+  bodies.restore(lane);
   for (int k = 0; k < joints_per_lane; ++k) joints.restore(joint(lane, k));
   contacts->clear(lane);
 }

@@ -15,19 +15,13 @@
 
 namespace physics {
 
-/// Configuration and velocity of all rigid bodies between two steps.
-struct State {
-  std::vector<Vec3> x, v, w;
-  std::vector<Quat> q;
-};
-
-/// What belongs to the state of one copy as a whole. The time step that made the velocity defines the momentum
+/// What belongs to the state of one copy as a whole; the rest is in Bodies. The time step that made the velocity defines the momentum
 /// (algorithm.md 1).
 struct LaneState {
   double time_step = 0;
   bool half_kick = false;   ///< v, w are the velocity at this pose, not that of a step
   double impulse_time = 0;  ///< impulse over force in the last step; 0: none yet
-  double kinetic_energy = 0, previous_kinetic_energy = 0, potential_energy = 0;  ///< potential: at the previous pose
+  bool solved_for = false;  ///< the unknowns hold the velocities
 };
 
 /// One copy of the scene: its own numbers on the common structure.
@@ -66,8 +60,8 @@ struct Stepper {
   /// One step of each of these lanes; outcomes in Lane::last. A lane that fails keeps its state.
   void step(std::span<const int> lanes);
   void set_state(int lane, std::span<const BodyRecord> records, bool half_kick);
-  /// Poses and momenta of a lane as the start of a step of length h.
-  void load_state_into_terms(int lane, double h);
+  /// Momenta of lanes at the start of a step of length h, and their velocities as its first unknowns.
+  void begin(std::span<const int> begun, double h);
 
   /// Of a lane's scene, made anew: nothing keeps it.
   [[nodiscard]] Assembly assembly(int lane) const;
@@ -82,8 +76,6 @@ struct Stepper {
   [[nodiscard]] int count() const { return side_by_side.copies(); }
 
   // Reports on one lane.
-  [[nodiscard]] double kinetic_energy(int lane) const;
-  [[nodiscard]] double potential_energy(int lane) const;
   [[nodiscard]] double energy(int lane) const;
   [[nodiscard]] double largest_joint_error(int lane) const;
   [[nodiscard]] Vec3 linear_momentum(int lane) const;
@@ -104,8 +96,8 @@ struct Stepper {
   Interleaving side_by_side;
   int bodies_per_lane = 0, joints_per_lane = 0;
   std::vector<Lane> lanes;
-  Bodies bodies;
-  Joints joints{bodies};
+  Bodies bodies{side_by_side.copies()};
+  Joints joints{bodies, side_by_side.copies()};
   std::unique_ptr<Contacts> contacts;
   std::unique_ptr<graphsolve::Problem> problem;
   std::shared_ptr<const graphsolve::Symbolic> plan;
@@ -113,7 +105,6 @@ struct Stepper {
   std::vector<int> island;      ///< of each rigid body
   std::vector<double> noise;    ///< by island
   std::vector<double> unknowns; ///< velocities and joint impulses of the last step, start of the next
-  State state, saved_state;
   std::vector<double> saved_unknowns;
   PhaseTimes times;
   graphsolve::Profile profile;
@@ -139,13 +130,15 @@ struct Stepper {
   void solve(std::span<const int> solved);
   void select(std::span<const int> selected);
   bool take_reports(Lane& lane);
+  void begin_with_velocities(int lane);
+  void note_distances(int lane);
   void apply_loads(int lane, double impulse_time);
-  void commit(int lane, double h);
-  void save(int lane);
+  void commit(std::span<const int> moved, double h);
+  void save(std::span<const int> saved);
   void restore(int lane);
   void recall(int lane);
 
-  std::vector<int> going_, solving_, components_;  ///< scratch
+  std::vector<int> going_, solving_, solved_, components_;  ///< scratch
 };
 
 /// The motor that drives a joint, null where there is none.

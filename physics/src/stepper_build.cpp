@@ -139,11 +139,7 @@ void Stepper::make_solver(const Assembly& assembly, const Stepper* same) {
   noise.assign(symbolic->components(), 0.0);
   unknowns.assign(symbolic->rows(), 0.0);
   saved_unknowns = unknowns;
-  for (auto* s : {&state, &saved_state}) {
-    for (auto* v : {&s->x, &s->v, &s->w}) v->assign(n, Vec3::Zero());
-    s->q.assign(n, Quat::Identity());
-  }
-  for (auto* list : {&going_, &solving_}) list->reserve(lanes.size());
+  for (auto* list : {&going_, &solving_, &solved_}) list->reserve(lanes.size());
   components_.reserve(symbolic->components());
   solver = std::make_unique<graphsolve::InteriorPoint>(*problem, plan,
                                                        graphsolve::InteriorPointSettings{.tolerance = settings.tolerance});
@@ -179,7 +175,7 @@ void Stepper::weigh_islands(int lane, Assembly& assembly) const {
 void Stepper::set_parameters(int lane, Assembly& assembly) {
   const Mechanism& scene = lanes[lane].mechanism;
   weigh_islands(lane, assembly);
-  for (int k = 0; k < bodies_per_lane; ++k) bodies.set(body(lane, k), assembly.bodies[k]);
+  for (int k = 0; k < bodies_per_lane; ++k) bodies.set(body(lane, k), assembly.bodies[k], scene.gravity);
   for (int k = 0; k < joints_per_lane; ++k)
     joints.set(joint(lane, k), on_lane(lane, assembly.joints[k]), motor_of(scene, assembly.joints[k]));
   contacts->set(lane, scene, assembly);

@@ -10,16 +10,14 @@ void Stepper::recall(int lane) {
   const LaneState& s = lanes[lane].state;
   contacts->recall(lane);
   if (s.impulse_time == 0) return;
-  for (int k = 0; k < bodies_per_lane; ++k) {
+  for (int k = 0; !lanes[lane].before.new_force_direction && k < bodies_per_lane; ++k) {
     const int i = body(lane, k);
-    if (lanes[lane].before.new_force_direction) bodies.place(i, state.x[i], state.q[i]);
-    else
-      bodies.place(i, state.x[i] - s.time_step * state.v[i],
-                   rotate(state.q[i], -state.w[i], rotation_scalar(state.w[i], s.time_step), s.time_step));
+    const Vec3 w = bodies.spin(i);
+    bodies.place(i, bodies.position(i) - s.time_step * bodies.velocity(i),
+                 rotate(bodies.orientation(i), -w, rotation_scalar(w, s.time_step), s.time_step));
   }
-  for (int k = 0; k < joints_per_lane; ++k) joints.prepare(joint(lane, k), lanes[lane].time, s.impulse_time);
-  joints.aim();
-  load_state_into_terms(lane, s.time_step);
+  joints.aim({&lane, 1});
+  bodies.restore(lane);
 }
 
 }  // namespace physics

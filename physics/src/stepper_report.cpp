@@ -8,27 +8,16 @@
 /// What is said of a lane; nothing here changes it.
 namespace physics {
 
-double Stepper::kinetic_energy(int lane) const {
-  double sum = 0;
-  for (int k = 0; k < bodies_per_lane; ++k) {
-    const int i = body(lane, k);
-    sum += 0.5 * (bodies.mass[i] * state.v[i].squaredNorm() + state.w[i].dot(bodies.inertia[i] * state.w[i]));
-  }
-  return sum;
-}
-
-double Stepper::potential_energy(int lane) const {
-  double sum = 0;
-  for (int k = 0; k < bodies_per_lane; ++k) {
-    const int i = body(lane, k);
-    sum -= bodies.mass[i] * lanes[lane].mechanism.gravity.dot(state.x[i]);
-  }
-  return sum;
-}
-
+/// Of the pose between two steps: the mean of their kinetic energies, and the potential one.
 double Stepper::energy(int lane) const {
-  const LaneState& s = lanes[lane].state;
-  return 0.5 * (s.previous_kinetic_energy + s.kinetic_energy) + s.potential_energy;
+  double before = 0, after = 0, potential = 0;
+  for (int k = 0; k < bodies_per_lane; ++k) {
+    const int i = body(lane, k);
+    before += bodies.kinetic_before(i);
+    after += bodies.kinetic_energy(i);
+    potential += bodies.potential_before(i);
+  }
+  return 0.5 * (before + after) + potential;
 }
 
 double Stepper::largest_joint_error(int lane) const {
@@ -45,7 +34,7 @@ Vec3 Stepper::linear_momentum(int lane) const {
   Vec3 sum = Vec3::Zero();
   for (int k = 0; k < bodies_per_lane; ++k) {
     const int i = body(lane, k);
-    sum += bodies.mass[i] * state.v[i];
+    sum += bodies.mass(i) * bodies.velocity(i);
   }
   return sum;
 }
@@ -55,9 +44,9 @@ Vec3 Stepper::angular_momentum(int lane) const {
   Vec3 sum = Vec3::Zero();
   for (int k = 0; k < bodies_per_lane; ++k) {
     const int i = body(lane, k);
-    const Vec3 spin = s.half_kick ? Vec3(bodies.inertia[i] * state.w[i])
-                                  : momentum_minus(bodies.inertia[i], state.w[i], s.time_step);
-    sum += state.x[i].cross(bodies.mass[i] * state.v[i]) + state.q[i] * spin;
+    const Vec3 spin = s.half_kick ? Vec3(bodies.inertia(i) * bodies.spin(i))
+                                  : momentum_minus(bodies.inertia(i), bodies.spin(i), s.time_step);
+    sum += bodies.position(i).cross(bodies.mass(i) * bodies.velocity(i)) + bodies.orientation(i) * spin;
   }
   return sum;
 }
@@ -72,18 +61,20 @@ void Stepper::write_bodies(int lane, std::span<BodyRecord> records) const {
       continue;
     }
     const int i = body(lane, place.body);
-    record.position = state.x[i] + state.q[i] * place.offset;
-    record.orientation = state.q[i] * place.rotation;
-    record.angular_velocity = place.rotation.conjugate() * state.w[i];
-    record.velocity = state.v[i];
+    const Vec3 w = bodies.spin(i);
+    const Quat q = bodies.orientation(i);
+    record.position = bodies.position(i) + q * place.offset;
+    record.orientation = q * place.rotation;
+    record.angular_velocity = place.rotation.conjugate() * w;
+    record.velocity = bodies.velocity(i);
     if (place.offset.isZero()) continue;
     // The velocity of the step is the difference of its two poses; a member off the centre moves along a chord.
     if (l.state.half_kick || l.state.impulse_time == 0) {
-      record.velocity += state.q[i] * state.w[i].cross(place.offset);
+      record.velocity += q * w.cross(place.offset);
     } else {
       const double h = l.state.time_step;
-      const Quat before = rotate(state.q[i], -state.w[i], rotation_scalar(state.w[i], h), h);
-      record.velocity += (state.q[i] * place.offset - before * place.offset) / h;
+      const Quat before = rotate(q, -w, rotation_scalar(w, h), h);
+      record.velocity += (q * place.offset - before * place.offset) / h;
     }
   }
 }

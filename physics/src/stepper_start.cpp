@@ -62,34 +62,30 @@ void Stepper::start(int lane, Assembly& assembly) {
 void Stepper::set_state(int lane, std::span<const BodyRecord> records, bool half_kick) {
   Lane& l = lanes[lane];
   for (int k = 0; k < bodies_per_lane; ++k) {
-    const int i = body(lane, k);
-    for (auto* v : {&state.x, &state.v, &state.w}) (*v)[i].setZero();
-    state.q[i].setIdentity();
-    std::fill_n(unknowns.data() + bodies.row[i], 6, 0.0);
+    bodies.place(body(lane, k), Vec3::Zero(), Quat::Identity());
+    bodies.set_velocity(body(lane, k), Vec3::Zero(), Vec3::Zero());
   }
   for (std::size_t k = 0; k < records.size(); ++k) {
     const Placement& place = l.placement[k];
     if (place.body < 0) continue;
     const BodyRecord& record = records[k];
     const int i = body(lane, place.body);
-    state.v[i] += l.mechanism.bodies[k].mass / bodies.mass[i] * record.velocity;
+    const Vec3 v = bodies.velocity(i) + l.mechanism.bodies[k].mass / bodies.mass(i) * record.velocity;
+    bodies.set_velocity(i, v, place.leads ? Vec3(place.rotation * record.angular_velocity) : bodies.spin(i));
     if (!place.leads) continue;
     const Quat q = record.orientation.normalized() * place.rotation.conjugate();
-    state.q[i] = q;
-    state.x[i] = record.position - q * place.offset;
-    state.w[i] = place.rotation * record.angular_velocity;
+    bodies.place(i, record.position - q * place.offset, q);
   }
   l.state = {.time_step = dt, .half_kick = half_kick};
-  load_state_into_terms(lane, dt);
-  l.state.kinetic_energy = l.state.previous_kinetic_energy = kinetic_energy(lane);
-  l.state.potential_energy = potential_energy(lane);
+  begin({&lane, 1}, dt);
+  bodies.keep_energies({&lane, 1});
   contacts->clear(lane);
   l.start_correction = 0;
+  joints.aim({&lane, 1});
   for (int k = 0; k < joints_per_lane; ++k) {
     const int j = joint(lane, k);
     std::fill_n(unknowns.data() + joints.row(j), joints.rows(j), 0.0);
     joints.prepare(j, 0, dt);
-    joints.aim();
     joints.reset_coordinate(j);
     l.start_correction = std::max(l.start_correction, joints.opening_rate(j, unknowns));
   }

@@ -15,6 +15,8 @@ namespace {
 using namespace physics;
 using graphsolve::NodeId;
 
+constexpr int only_copy[] = {0};
+
 class Derivatives : public testing::Test {
  protected:
   std::mt19937_64 random{17};
@@ -31,11 +33,10 @@ class Derivatives : public testing::Test {
     bodies.dt = 0.05;
     for (int i = 0; i < 2; ++i) {
       bodies.add({.name = "b", .mass = 1.3 + i, .inertia = inertia(), .smallest_inertia = 0.4}, {i});
-      bodies.now[i].x = vector(1);
-      bodies.now[i].q = rotation();
-      bodies.now[i].rotation = bodies.now[i].q.toRotationMatrix();
-      bodies.known_linear[i] = vector(1);
-      bodies.known_angular[i] = vector(1);
+      const Vec3 x = vector(1);
+      bodies.place(i, x, rotation());
+      const Vec3 linear = vector(1);
+      bodies.add_known(i, linear, vector(1));
     }
   }
   /// A joint in general position that the poses do satisfy at the start (so that the force directions make sense).
@@ -77,7 +78,7 @@ TEST_P(JointDerivatives, MatchCentralDifferences) {
     wire(graph, joints);
     joints.reset_coordinate(0);
     joints.prepare(0, 0.1, bodies.dt);
-    joints.aim();
+    joints.aim(only_copy);
     graphsolve::Problem problem(graph);
     problem.add(bodies);
     problem.add(joints);
@@ -98,7 +99,7 @@ TEST_F(Derivatives, SphericalJointWithForcesAtTheNewConfigurationMatchesCentralD
   joints.add(g, nullptr, graph.add_node("joint", 3, graphsolve::NodeKind::saddle));
   wire(graph, joints);
   joints.prepare(0, 0.1, bodies.dt);
-  joints.aim();
+  joints.aim(only_copy);
   bodies.force_at_next = true;
   graphsolve::Problem problem(graph);
   problem.add(bodies);
@@ -129,9 +130,8 @@ INSTANTIATE_TEST_SUITE_P(Driven, JointDerivatives,
 TEST_F(Derivatives, ContactPortMatchesCentralDifferences) {
   bodies.dt = 0.05;
   bodies.add({.name = "b", .mass = 1, .inertia = inertia(), .smallest_inertia = 0.4}, {0});
-  bodies.now[0].x = vector(1);
-  bodies.now[0].q = rotation();
-  bodies.now[0].rotation = bodies.now[0].q.toRotationMatrix();
+  const Vec3 x0 = vector(1);
+  bodies.place(0, x0, rotation());
   graphsolve::BlockGraph graph;
   graph.add_node("b", 6);
   const graphsolve::Symbolic symbolic(graph, graphsolve::natural_ordering(graph));

@@ -27,13 +27,20 @@ double LargestScaled(const double* a, const double* scale, int n, double first) 
     for (int i = 0; i < n; ++i) largest.take(a[i] * scale[i]);
     return largest.value();
   }
-  Pack most(0.0);
-  each_pack(n, [&](int i) HWY_ATTR {
-    const Pack e = abs(load<lanes>(a + i) * load<lanes>(scale + i));
-    most = select((e > most) | !(e >= e), e, most);
-  });
+  // Several maxima, so that none waits for the one before.
+  constexpr int chains = 4;
+  Pack most[chains];
+  for (Pack& m : most) m = Pack(0.0);
+  const auto take = [&](const Pack& e, Pack& m) HWY_ATTR { m = select((e > m) | !(e >= e), e, m); };
+  const auto at = [&](int i) HWY_ATTR { return abs(load<lanes>(a + i) * load<lanes>(scale + i)); };
+  int i = 0;
+  for (; i + chains * lanes <= n; i += chains * lanes)
+    for (int k = 0; k < chains; ++k) take(at(i + k * lanes), most[k]);
+  for (; i + lanes < n; i += lanes) take(at(i), most[0]);
+  take(at(n - lanes), most[0]);
+  for (int k = 1; k < chains; ++k) take(most[k], most[0]);
   double found[lanes];
-  store(most, found);
+  store(most[0], found);
   for (const double e : found) largest.take(e);
   return largest.value();
 }

@@ -42,6 +42,20 @@ HWY_INLINE void put(const Vector3& a, Pack* to) { to[0] = a.x, to[1] = a.y, to[2
 HWY_INLINE void put(const Matrix3& a, Pack* to) { put(a.c0, to), put(a.c1, to + 3), put(a.c2, to + 6); }
 HWY_INLINE void store3(const Vector3& a, Octet* to) { store(a.x, to[0]), store(a.y, to[1]), store(a.z, to[2]); }
 
+/// Changes the used lanes only.
+class Keeper {
+ public:
+  explicit HWY_INLINE Keeper(unsigned used) : all_(used == 0xffu), mask_(lanes_of(used)) {}
+  HWY_INLINE void operator()(const Pack& a, Octet& to) const { store(all_ ? a : gs::select(mask_, a, load(to)), to); }
+  HWY_INLINE void operator()(const Vector3& a, Octet* to) const {
+    (*this)(a.x, to[0]), (*this)(a.y, to[1]), (*this)(a.z, to[2]);
+  }
+
+ private:
+  bool all_;
+  Mask mask_;
+};
+
 HWY_INLINE Vector3 operator+(const Vector3& a, const Vector3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 HWY_INLINE Vector3 operator-(const Vector3& a, const Vector3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 HWY_INLINE Vector3 operator-(const Vector3& a) { return {-a.x, -a.y, -a.z}; }

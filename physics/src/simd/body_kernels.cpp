@@ -12,42 +12,70 @@ HWY_BEFORE_NAMESPACE();
 namespace physics::HWY_NAMESPACE {
 namespace {
 
-/// The formulas are those of rotation.hpp.
+HWY_INLINE Quaternion load_quaternion(const Octet* q) { return {load3(q), load(q[3])}; }
+
+/// One function for all who need it: the same bits for a state that was set and one that a step led to.
+HWY_NOINLINE void Place(BodyOctet& body, unsigned used) {
+  const Keeper keep(used);
+  const Matrix3 rotation = rotation_matrix(load_quaternion(body.state.q));
+  keep(rotation.c0, body.rotation), keep(rotation.c1, body.rotation + 3), keep(rotation.c2, body.rotation + 6);
+}
+
+HWY_INLINE void keep_energies(BodyOctet& body, const Keeper& keep) {
+  const Vector3 v = load3(body.state.velocity), w = load3(body.state.velocity + 3);
+  const Pack mass = load(body.mass);
+  keep(Pack(0.5) * (mass * dot(v, v) + dot(w, load33(body.inertia) * w)), body.state.kinetic);
+  keep(-mass * dot(load3(body.gravity), load3(body.state.x)), body.state.potential);
+}
+void KeepEnergies(BodyOctet& body, unsigned used) { keep_energies(body, Keeper(used)); }
+
+// The formulas are those of rotation.hpp.
+unsigned Begin(BodyOctet& body, unsigned used, const BodyStart& start) {
+  const Keeper keep(used);
+  const Vector3 v = load3(body.state.velocity), w = load3(body.state.velocity + 3), g = load3(body.gravity), x = load3(body.state.x);
+  const Pack mass = load(body.mass), ww = dot(w, w);
+  const Vector3 jw = load33(body.inertia) * w;
+  keep(mass * v + Pack(start.impulse_time) * (mass * g), body.known);
+  if (start.half_kick) {
+    keep(jw, body.known + 3);
+  } else {
+    const Pack s = gs::sqrt(Pack(4 / (start.time_step * start.time_step)) - ww);
+    keep(Pack(0.5 * start.time_step) * (s * jw - cross(w, jw)), body.known + 3);
+  }
+  const Pack distance = gs::max(gs::abs(x.x), gs::max(gs::abs(x.y), gs::abs(x.z)));
+  const Mask fast = !(ww <= Pack(start.most_spin * start.most_spin)), far = !(distance <= Pack(start.most_distance));
+  return ((gs::bits(fast) & used) != 0 ? spins_faster : 0u) | ((gs::bits(far) & used) != 0 ? lies_further : 0u);
+}
+
 void EvaluateBodies(const BodyTask& task) {
   const unsigned used = task.used;
+  const BodyOctet& body = *task.body;
+  const Keeper keep(used);
   const Pack dt(task.dt), half(0.5 * task.dt);
-  Pack x[6], from[7];
-  gs::load_transposed(task.velocity, 6, x, used);
-  gs::load_transposed(task.now, 7, from, used);
-  const Vector3 v = vector(x), w = vector(x + 3);
+  Pack velocity[6];
+  gs::load_transposed(task.velocity, 6, velocity, used);
+  const Vector3 v = vector(velocity), w = vector(velocity + 3);
   const Pack s = gs::sqrt(Pack(4 / (task.dt * task.dt)) - dot(w, w));
 
-  Quaternion q = Quaternion{vector(from + 3), from[6]} * Quaternion{half * w, half * s};
+  Quaternion q = load_quaternion(body.state.q) * Quaternion{half * w, half * s};
   const Pack shrink = Pack(1.0) / gs::sqrt(dot(q.v, q.v) + q.w * q.w);  // one already, but for rounding
   q = {shrink * q.v, shrink * q.w};
   const Vector3 w_over_s = (Pack(1.0) / s) * w;
-  Pack to[25];
-  put(vector(from) + dt * v, to);
-  put(q.v, to + 3);
-  to[6] = q.w;
-  put(rotation_matrix(q), to + 7);
-  put(half * (diagonal(s) + outer(w, w_over_s) - skew(w)), to + 16);
-  const Mask mask = lanes_of(used);
-  const auto keep = [&](const Pack* numbers, int count, Octet* at) HWY_ATTR {
-    for (int i = 0; i < count; ++i) store(used == 0xffu ? numbers[i] : gs::select(mask, numbers[i], load(at[i])), at[i]);
-  };
-  keep(to, 25, task.at->pose);
-  keep(x, 6, task.at->velocity);
+  Octet* pose = task.at->pose;
+  keep(load3(body.state.x) + dt * v, pose);
+  keep(q.v, pose + 3);
+  keep(q.w, pose[6]);
+  const auto keep_matrix = [&](const Matrix3& m, Octet* to) HWY_ATTR { keep(m.c0, to), keep(m.c1, to + 3), keep(m.c2, to + 6); };
+  keep_matrix(rotation_matrix(q), pose + 7);
+  keep_matrix(half * (diagonal(s) + outer(w, w_over_s) - skew(w)), pose + 16);
+  keep(v, task.at->velocity);
+  keep(w, task.at->velocity + 3);
 
-  const Pack mass = load(task.constants->mass);
-  const Matrix3 inertia = load33(task.constants->inertia);
+  const Pack mass = load(body.mass);
+  const Matrix3 inertia = load33(body.inertia);
   const Vector3 jw = inertia * w;
-  Pack known[6], residual[6];
-  gs::load_transposed(task.known_linear, 3, known, used);
-  gs::load_transposed(task.known_angular, 3, known + 3, used);
-  put(mass * v - vector(known), residual);
-  put(half * (s * jw + cross(w, jw)) - vector(known + 3), residual + 3);
-  gs::add_transposed(residual, 6, task.residual, used, 1.0);
+  keep(mass * v - load3(body.known), task.at->residual);
+  keep(half * (s * jw + cross(w, jw)) - load3(body.known + 3), task.at->residual + 3);
 
   if (!task.values) return;
   const Matrix3 turned{cross(w, inertia.c0), cross(w, inertia.c1), cross(w, inertia.c2)};
@@ -61,7 +89,29 @@ void EvaluateBodies(const BodyTask& task) {
   gs::put_blocks<gs::Put::assign>(block, 36, task.values, *task.blocks, used, 1.0);
 }
 
-BodyKernel Kernel() { return EvaluateBodies; }
+void Push(BodyAtOctet& at, unsigned used, const Octet* wrench) {
+  const Keeper keep(used);
+  for (int k = 0; k < 6; ++k) keep(load(at.residual[k]) - load(wrench[k]), at.residual[k]);
+}
+
+void HandOut(const BodyAtOctet& at, unsigned used, double* const* rows) {
+  Pack residual[6];
+  for (int k = 0; k < 6; ++k) residual[k] = load(at.residual[k]);
+  gs::add_transposed(residual, 6, rows, used, 1.0);
+}
+
+void Commit(BodyOctet& body, unsigned used, const BodyAtOctet& at) {
+  const Keeper keep(used);
+  keep_energies(body, keep);
+  for (int k = 0; k < 3; ++k) keep(load(at.pose[k]), body.state.x[k]);
+  for (int k = 0; k < 4; ++k) keep(load(at.pose[3 + k]), body.state.q[k]);
+  for (int k = 0; k < 6; ++k) keep(load(at.velocity[k]), body.state.velocity[k]);
+  Place(body, used);
+}
+
+BodyKernels Kernels() {
+  return {.place = Place, .keep_energies = KeepEnergies, .begin = Begin, .evaluate = EvaluateBodies, .push = Push, .hand_out = HandOut, .commit = Commit};
+}
 
 }  // namespace
 }  // namespace physics::HWY_NAMESPACE
@@ -70,11 +120,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace physics {
 
-HWY_EXPORT(Kernel);
+HWY_EXPORT(Kernels);
 
-BodyKernel body_kernel() {
+BodyKernels body_kernels() {
   (void)graphsolve::simd::instruction_set();  // chosen now, if it was not yet
-  return HWY_DYNAMIC_DISPATCH(Kernel)();
+  return HWY_DYNAMIC_DISPATCH(Kernels)();
 }
 
 }  // namespace physics

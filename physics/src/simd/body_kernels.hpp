@@ -1,13 +1,31 @@
 #pragma once
 
+#include <algorithm>
+
 #include "graphsolve/simd/lane_blocks.hpp"
 #include "simd/octet.hpp"
 
 namespace physics {
 
-/// What eight bodies are.
+/// What eight bodies are, and their state between two steps.
 struct BodyOctet {
-  Octet mass, inertia[9];
+  Octet mass, inertia[9], gravity[3];
+  Octet known[6];  ///< momentum before the step plus impulse of loads: linear, angular
+  /// What a step that fails has to leave as it was.
+  struct State {
+    Octet kinetic, potential;  ///< energies where the last step began
+    Octet velocity[6];         ///< v, w
+    Octet x[3], q[4];          ///< with the rotation the numbers of a Pose
+  } state;
+  Octet rotation[9];  ///< of q
+
+  /// Nothing, at rest: what lanes without a body hold, and where the world is.
+  static BodyOctet at_origin() {
+    BodyOctet octet{};
+    std::ranges::fill(octet.state.q[3].lane, 1.0);
+    for (int k : {0, 4, 8}) std::ranges::fill(octet.rotation[k].lane, 1.0);
+    return octet;
+  }
 };
 
 /// Where eight bodies are at the present iterate: joints and contacts that lie in the same lanes read it whole.
@@ -15,25 +33,48 @@ struct BodyAtOctet {
   static constexpr int numbers = 25;
   Octet pose[numbers];  ///< NextPose
   Octet velocity[6];    ///< v, w
+  Octet residual[6];    ///< of the bodies' rows, until it is handed out
+
+  static BodyAtOctet at_origin() {
+    BodyAtOctet octet{};
+    for (int k : {6, 7, 11, 15, 16, 20, 24}) std::ranges::fill(octet.pose[k].lane, 1.0);
+    return octet;
+  }
 };
 
-/// Eight bodies (or fewer: bit per lane in `used`; the other lanes point where a used one does and write nothing).
+/// Eight bodies (or fewer: bit per lane in `used`; the others keep what they have).
 struct BodyTask {
-  const BodyOctet* constants;
+  const BodyOctet* body;
+  BodyAtOctet* at;                 ///< out
   unsigned used;
   double dt;
   const double* velocity[8];       ///< v, w
-  const double* now[8];            ///< Pose
-  BodyAtOctet* at;                 ///< out
-  const double* known_linear[8];
-  const double* known_angular[8];
-  double* residual[8];             ///< 6
   double* values;                  ///< of the matrix; null where none is wanted
   const graphsolve::simd::LaneBlocks* blocks;  ///< 6 x 6
 };
 
-using BodyKernel = void (*)(const BodyTask&);
-/// Poses after the step, residual, and its derivative: Bodies says which. For the instruction set in use.
-BodyKernel body_kernel();
+/// How a step begins.
+struct BodyStart {
+  double dt;            ///< its length [s]
+  double time_step;     ///< of the step that made the velocity [s]
+  double impulse_time;  ///< impulse over force [s]
+  bool half_kick;       ///< the velocity is that at the pose
+  double most_spin;     ///< [rad/s]
+  double most_distance; ///< [m]
+};
+/// What of it lies beyond these two, of any body.
+enum StartBeyond : unsigned { spins_faster = 1, lies_further = 2 };
+
+/// For the instruction set in use.
+struct BodyKernels {
+  void (*place)(BodyOctet&, unsigned used);  ///< the rotation matrix follows its quaternion
+  void (*keep_energies)(BodyOctet&, unsigned used);  ///< of the state
+  unsigned (*begin)(BodyOctet&, unsigned used, const BodyStart&);  ///< momenta; StartBeyond
+  void (*evaluate)(const BodyTask&);         ///< poses, residual and its derivative: Bodies says which
+  void (*push)(BodyAtOctet&, unsigned used, const Octet* wrench);  ///< residual -= wrench, 6
+  void (*hand_out)(const BodyAtOctet&, unsigned used, double* const* rows);  ///< rows += residual
+  void (*commit)(BodyOctet&, unsigned used, const BodyAtOctet&);  ///< keeps energies; the state becomes that at the iterate
+};
+BodyKernels body_kernels();
 
 }  // namespace physics

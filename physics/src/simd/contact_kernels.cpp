@@ -14,17 +14,6 @@ namespace {
 
 constexpr int pairs = ContactOctet::pairs, facets = 4, bound = pairs - 1;
 
-/// Changes the used lanes only.
-class Keeper {
- public:
-  explicit HWY_INLINE Keeper(unsigned used) : all_(used == 0xffu), mask_(lanes_of(used)) {}
-  HWY_INLINE void operator()(const Pack& a, Octet& to) const { store(all_ ? a : gs::select(mask_, a, load(to)), to); }
-
- private:
-  bool all_;
-  Mask mask_;
-};
-
 /// Local rows: along the normal and the two tangents.
 struct Rows {
   Pack n, t1, t2;
@@ -44,22 +33,40 @@ HWY_INLINE Rows along_tangents(const ContactOctet& o, const Vector3& v, const Ve
           dot(load3(o.tangent[1]), v) + dot(load3(o.lever[2]), w)};
 }
 
+/// f(number) with number(k) of the pose.
+template <class F>
+HWY_INLINE void read_pose(const ContactTask& task, F&& f) {
+  if (task.poses) f([&](int k) HWY_ATTR { return load(task.poses[k]); });
+  else if (task.one_body) f([&](int k) HWY_ATTR { return Pack(task.pose[0][8 * k]); });
+  else f([&](int k) HWY_ATTR { return gs::each_lane<8>([&](int l) HWY_ATTR { return task.pose[l][8 * k]; }); });
+}
+
+/// Numbers first ... of the pose.
+template <class Number>
+HWY_INLINE Vector3 three(Number&& number, int first) {
+  return {number(first), number(first + 1), number(first + 2)};
+}
+template <class Number>
+HWY_INLINE Matrix3 nine(Number&& number, int first) {
+  return {three(number, first), three(number, first + 3), three(number, first + 6)};
+}
+
 /// u at the pose; keeps the derivative of its normal row.
 HWY_INLINE Rows measure(const ContactTask& task) {
   ContactOctet& o = *task.octet;
-  Pack pose[25], x[6];
-  if (task.bodies) {
-    for (int i = 0; i < 25; ++i) pose[i] = load(task.bodies->pose[i]);
-    for (int i = 0; i < 6; ++i) x[i] = load(task.bodies->velocity[i]);
-  } else {
-    gs::load_transposed(task.pose, 25, pose, read(task));
-    gs::load_transposed(task.x, 6, x, read(task));
-  }
+  Pack x[6];
+  if (task.velocities)
+    for (int i = 0; i < 6; ++i) x[i] = load(task.velocities[i]);
+  else gs::load_transposed(task.x, 6, x, read(task));
   const Vector3 normal = load3(o.normal), point = load3(o.point);
-  const Vector3 local = transposed_times(matrix(pose + 7), normal);
-  store3(transposed_times(matrix(pose + 16), cross(point, local)), o.rate_normal);
+  Vector3 position, local;
+  read_pose(task, [&](auto&& number) HWY_ATTR {
+    position = three(number, 0);
+    local = transposed_times(nine(number, 7), normal);
+    store3(transposed_times(nine(number, 16), cross(point, local)), o.rate_normal);
+  });
   Rows u = along_tangents(o, vector(x), vector(x + 3));
-  u.n = (dot(normal, vector(pose)) + dot(local, point) - load(o.offset) - load(o.radius)) * Pack(1 / task.dt);
+  u.n = (dot(normal, position) + dot(local, point) - load(o.offset) - load(o.radius)) * Pack(1 / task.dt);
   return u;
 }
 
@@ -81,13 +88,17 @@ HWY_INLINE void keep_largest(Pack& largest, const Pack& e) {
 
 void Look(const ContactTask& task) {
   ContactOctet& o = *task.octet;
-  Pack pose[16], x[6];
-  gs::load_transposed(task.pose, 16, pose, read(task));
+  Pack x[6];
   gs::load_transposed(task.x, 6, x, read(task));
-  const Matrix3 rotation = matrix(pose + 7);
+  Matrix3 rotation;
+  Vector3 position;
+  read_pose(task, [&](auto&& number) HWY_ATTR {
+    position = three(number, 0);
+    rotation = nine(number, 7);
+  });
   const Vector3 normal = load3(o.normal), arm = rotation * load3(o.point) - load(o.radius) * normal;
   const Vector3 u = vector(x) + cross(rotation * vector(x + 3), arm);
-  store(dot(normal, vector(pose) + arm) - load(o.offset), o.distance);
+  store(dot(normal, position + arm) - load(o.offset), o.distance);
   store(dot(normal, u), o.approach);
   for (int t = 0; t < 2; ++t) store(dot(load3(o.tangent[t]), u), o.slip[t]);
 }
@@ -95,18 +106,17 @@ void Look(const ContactTask& task) {
 void Remember(const ContactTask& task, double factor) {
   ContactOctet& o = *task.octet;
   const Keeper keep(task.used);
-  Pack rotation[9], lever[3];
-  const double* turned[8];
-  for (int l = 0; l < 8; ++l) turned[l] = task.pose[l] + 7;
-  gs::load_transposed(turned, 9, rotation, read(task));
-  const Vector3 local = transposed_times(matrix(rotation), load3(o.normal));
+  Pack lever[3];
+  Matrix3 rotation;
+  read_pose(task, [&](auto&& number) HWY_ATTR { rotation = nine(number, 7); });
+  const Vector3 local = transposed_times(rotation, load3(o.normal));
   const Vector3 arm = load3(o.point) - load(o.radius) * local;  // to the lowest point
   const auto keep_lever = [&](const Vector3& force, Octet* to) HWY_ATTR {
     put(cross(arm, force), lever);
     for (int k = 0; k < 3; ++k) keep(lever[k], to[k]);
   };
   keep_lever(local, o.lever[0]);
-  for (int t = 0; t < 2; ++t) keep_lever(transposed_times(matrix(rotation), load3(o.tangent[t])), o.lever[t + 1]);
+  for (int t = 0; t < 2; ++t) keep_lever(transposed_times(rotation, load3(o.tangent[t])), o.lever[t + 1]);
   for (int k = 0; k < pairs; ++k) {
     keep(load(o.s[k]), o.remembered_s[k]);
     keep(Pack(factor) * load(o.z[k]), o.remembered_z[k]);

@@ -33,8 +33,9 @@ struct ContactTask {
   unsigned used;
   bool one_body;            ///< all on the same one
   double dt;
-  const double* pose[8];    ///< NextPose; Pose will do to look and to remember
-  const BodyAtOctet* bodies = nullptr;  ///< all of them instead, with their velocities, where they lie in the same lanes
+  const double* pose[8];    ///< numbers of a NextPose, each in an octet; a Pose will do to look and to remember
+  const Octet* poses = nullptr;       ///< all of them instead, where they lie in the same lanes
+  const Octet* velocities = nullptr;  ///< there, the six of x at the iterate
   const double* x[8];       ///< v, w of the body, or their change
   double* rows[8];          ///< 6 of the body
   double* values;           ///< of the matrix

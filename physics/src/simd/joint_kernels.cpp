@@ -25,24 +25,16 @@ struct Place {  ///< a NextPose, or a Pose, whose turn nobody needs
 };
 
 /// Part by part: a copy of the whole would be slow.
-template <bool WithTurn>
-HWY_INLINE void load_place(const double* const* from, const BodyAtOctet* all, unsigned used, Place& to) {
-  if (all) {
-    to.x = load3(all->pose);
-    to.q.v = load3(all->pose + 3);
-    to.q.w = load(all->pose[6]);
-    to.rotation = load33(all->pose + 7);
-    if constexpr (WithTurn) to.turn = load33(all->pose + 16);
-    return;
-  }
-  constexpr int numbers = WithTurn ? 25 : 16;
-  Pack p[numbers];
-  gs::load_transposed(from, numbers, p, used);
-  to.x = vector(p);
-  to.q.v = vector(p + 3);
-  to.q.w = p[6];
-  to.rotation = matrix(p + 7);
-  if constexpr (WithTurn) to.turn = matrix(p + 16);
+HWY_INLINE void load_place(const double* const* lanes, const Octet* all, bool with_turn, Place& to) {
+  const auto take = [&](auto&& number) HWY_ATTR {
+    const auto three = [&](int k) HWY_ATTR { return Vector3{number(k), number(k + 1), number(k + 2)}; };
+    to.x = three(0);
+    to.q = {three(3), number(6)};
+    to.rotation = {three(7), three(10), three(13)};
+    if (with_turn) to.turn = {three(16), three(19), three(22)};
+  };
+  if (all) take([&](int k) HWY_ATTR { return load(all[k]); });
+  else take([&](int k) HWY_ATTR { return gs::each_lane<8>([&](int l) HWY_ATTR { return lanes[l][8 * k]; }); });
 }
 
 template <JointRows Rows>
@@ -50,6 +42,7 @@ struct Kind {
   static constexpr bool motor = has_motor(Rows), slides = is_slide(Rows), hinge = is_hinge(Rows);
   static constexpr int translations = physics::translations(Rows), rotations = physics::rotations(Rows);
   static constexpr int constraints = physics::constraints(Rows), rows = rows_of(Rows);
+  static constexpr bool in_world_axes = !slides;  ///< the first three rows
 };
 
 HWY_INLINE Vector3 unit(int i) { return {Pack(i == 0 ? 1.0 : 0.0), Pack(i == 1 ? 1.0 : 0.0), Pack(i == 2 ? 1.0 : 0.0)}; }
@@ -81,8 +74,9 @@ struct Joint {
 
   HWY_INLINE Joint(const JointTask& task)
       : points(*task.points), frames(task.frames), child_point(load3(points.child)) {
-    load_place<WithTurn>(task.parent, task.parents, task.used, a);
-    load_place<WithTurn>(task.child, task.children, task.used, b);
+    const bool with_turn = WithTurn && task.values;
+    load_place(task.parent, task.parents, with_turn, a);
+    load_place(task.child, task.children, with_turn, b);
     if constexpr (K::rotations > 0) {
       const Quaternion rest{load3(frames->orientation), load(frames->orientation[3])};
       e = conjugate(a.q) * b.q * conjugate(rest);
@@ -167,39 +161,58 @@ struct Joint {
   }
 };
 
+/// Of rows along world axes the force is that axis, always: Joints has written it.
 template <JointRows Rows>
 HWY_INLINE void aim(const JointTask& task) {
-  constexpr int entries = 6 * Kind<Rows>::rows;
-  Pack child[entries], parent[entries];
-  Joint<Rows, false>(task).derivative(child, parent);
-  const Mask used = lanes_of(task.used);
-  const auto keep = [&](const Pack* from, Octet* to) HWY_ATTR {
-    for (int i = 0; i < entries; ++i) store(gs::select(used, from[i], load(to[i])), to[i]);
-  };
-  keep(child, task.child_force);
-  keep(parent, task.parent_force);
+  using K = Kind<Rows>;
+  Pack child[6 * K::rows], parent[6 * K::rows];
+  const Joint<Rows, false> joint(task);
+  joint.derivative(child, parent);
+  const Keeper keep(task.used);
+  for (int i = 0; i < 6 * K::rows; ++i) {
+    if (K::in_world_axes && i < 18 && i % 6 < 3) continue;
+    keep(child[i], task.child_force[i]);
+    keep(parent[i], task.parent_force[i]);
+  }
+  const Mask on_parent = lanes_of(task.children_are_world);
+  const auto recorded = [&](const Pack& of_parent, const Pack& of_child) HWY_ATTR { return gs::select(on_parent, of_parent, of_child); };
+  const Place &a = joint.a, &b = joint.b;
+  const Vector3 point = b.x + b.rotation * joint.child_point;
+  keep(recorded(a.q.v.x, b.q.v.x), task.stands[0]);
+  keep(recorded(a.q.v.y, b.q.v.y), task.stands[1]);
+  keep(recorded(a.q.v.z, b.q.v.z), task.stands[2]);
+  keep(recorded(a.q.w, b.q.w), task.stands[3]);
+  keep(point.x - recorded(a.x.x, b.x.x), task.stands[4]);
+  keep(point.y - recorded(a.x.y, b.x.y), task.stands[5]);
+  keep(point.z - recorded(a.x.z, b.x.z), task.stands[6]);
 }
 
-/// out = force^T impulses
-template <int Rows>
-HWY_INLINE void push(const Octet* force, const Pack* impulses, Pack* out) {
-  for (int c = 0; c < 6; ++c) {
+/// out = force^T impulses; sign: of the force along a world axis.
+template <class K>
+HWY_INLINE void push(const Octet* force, const Pack* impulses, double sign, Octet* out) {
+  constexpr int first = K::in_world_axes ? 3 : 0;  // forces of these rows are the impulses
+  if constexpr (K::in_world_axes)
+    for (int c = 0; c < 3; ++c) store(Pack(sign) * impulses[c], out[c]);
+  for (int c = first; c < 6; ++c) {
     Pack sum = load(force[c]) * impulses[0];
-    for (int r = 1; r < Rows; ++r) sum += load(force[6 * r + c]) * impulses[r];
-    out[c] = sum;
+    for (int r = 1; r < K::rows; ++r) sum += load(force[6 * r + c]) * impulses[r];
+    store(sum, out[c]);
   }
 }
 
 /// Blocks (joint, body) = derivative and (body, joint) = -force^T: these are of this joint alone.
-template <int Rows>
-HWY_INLINE void write(const JointTask& task, const Pack* derivative, const Octet* force, const LaneBlocks& down,
+template <class K>
+HWY_INLINE void write(const JointTask& task, const Pack* derivative, const Octet* force, double sign, const LaneBlocks& down,
                       const LaneBlocks& across) {
-  Pack block[6 * Rows];
+  constexpr int rows = K::rows;
+  Pack block[6 * rows];
   for (int c = 0; c < 6; ++c)
-    for (int r = 0; r < Rows; ++r) block[c * Rows + r] = derivative[6 * r + c];
-  gs::put_blocks<gs::Put::assign>(block, 6 * Rows, task.values, down, task.used, 1.0);
-  for (int i = 0; i < 6 * Rows; ++i) block[i] = load(force[i]);
-  gs::put_blocks<gs::Put::assign>(block, 6 * Rows, task.values, across, task.used, -1.0);
+    for (int r = 0; r < rows; ++r) block[c * rows + r] = derivative[6 * r + c];
+  gs::put_blocks<gs::Put::assign>(block, 6 * rows, task.values, down, task.used, 1.0);
+  for (int r = 0; r < rows; ++r)
+    for (int c = 0; c < 6; ++c)
+      block[6 * r + c] = K::in_world_axes && c < 3 ? Pack(r == c ? sign : 0.0) : load(force[6 * r + c]);
+  gs::put_blocks<gs::Put::assign>(block, 6 * rows, task.values, across, task.used, -1.0);
 }
 
 /// (lambda - impulse_time * effort) * diagonal, an angle or a distance. Where the effort is at its limit it no longer
@@ -233,7 +246,7 @@ HWY_INLINE void evaluate(const JointTask& task) {
   using K = Kind<Rows>;
   const unsigned used = task.used;
   const Joint<Rows, true> joint(task);
-  Pack g[K::rows], impulses[K::rows], wrenches[12], child[6 * K::rows], parent[6 * K::rows];
+  Pack g[K::rows], impulses[K::rows], child[6 * K::rows], parent[6 * K::rows];
   joint.violation(g);
   const Pack rate(1 / task.dt);
   for (int i = 0; i < K::constraints; ++i) g[i] *= rate;
@@ -247,12 +260,11 @@ HWY_INLINE void evaluate(const JointTask& task) {
       gs::put_entries(&diagonal, 1, [](int) HWY_ATTR { return 35; }, task.values, task.blocks->own, used, 1.0);
   }
   gs::add_transposed(g, K::rows, task.residual, used, 1.0);
-  push<K::rows>(task.child_force, impulses, wrenches);
-  push<K::rows>(task.parent_force, impulses, wrenches + 6);
-  gs::store_transposed(wrenches, 12, task.wrenches, used);
+  push<K>(task.child_force, impulses, 1.0, task.wrenches->child);
+  push<K>(task.parent_force, impulses, -1.0, task.wrenches->parent);
   if (!task.values) return;
-  write<K::rows>(task, child, task.child_force, task.blocks->to_child, task.blocks->from_child);
-  write<K::rows>(task, parent, task.parent_force, task.blocks->to_parent, task.blocks->from_parent);
+  write<K>(task, child, task.child_force, 1.0, task.blocks->to_child, task.blocks->from_child);
+  write<K>(task, parent, task.parent_force, -1.0, task.blocks->to_parent, task.blocks->from_parent);
 }
 
 #define PHYSICS_BY_JOINT_ROWS(function, task)                                             \

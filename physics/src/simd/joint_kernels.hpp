@@ -49,6 +49,14 @@ struct JointBlocks {
   graphsolve::simd::LaneBlocks own, to_child, to_parent, from_child, from_parent;
 };
 
+/// What eight joints do to their bodies, and where these stand.
+struct JointWrenches {
+  Octet child[6], parent[6];  ///< force^T impulses at the last point evaluated
+  /// Where the recorded body stood when the force acted on it, the child or the parent of a child in the world: its
+  /// orientation, and from its centre to the child's joint point, world frame.
+  Octet stands[7];
+};
+
 /// Eight joints or fewer: bit per lane in `used`; the other lanes point where a used one does and write nothing.
 struct JointTask {
   JointRows rows;
@@ -58,11 +66,13 @@ struct JointTask {
   Octet *child_force, *parent_force;   ///< directions of forces by row, 6 numbers each: entry 6 row + column
   unsigned used;
   double dt;
-  const double *parent[8], *child[8];  ///< NextPose; Pose will do to aim
-  const BodyAtOctet *parents = nullptr, *children = nullptr;  ///< all of them instead, where they lie in the same lanes
+  const double *parent[8], *child[8];  ///< numbers of a NextPose, each in an octet; a Pose will do to aim, and without values
+  const Octet *parents = nullptr, *children = nullptr;  ///< all of them instead, where they lie in the same lanes
+  unsigned children_are_world = 0;     ///< lanes where the child is
+  Octet* stands = nullptr;             ///< out, of aim
   const double* impulses[8];           ///< one per row
   double* residual[8];                 ///< of the joint's own rows
-  double* wrenches[8];                 ///< out, 12: force^T impulses on the child, on the parent
+  JointWrenches* wrenches;             ///< out, but for where bodies stand
   double* values;                      ///< of the matrix; null where none is wanted
   const JointBlocks* blocks;
 };

@@ -48,6 +48,11 @@ class OctetGroups {
   void each(std::span<const int> items, std::uint64_t version, Place&& place, F&& f) {
     if (version == 0 || version != version_) sort(items, place);
     version_ = version;
+    each_again(f);
+  }
+  /// Those of the last call.
+  template <class F>
+  void each_again(F&& f) const {
     for (const auto& [octet, used] : groups_) f(octet, used);
   }
 
@@ -72,6 +77,47 @@ class OctetGroups {
   std::vector<unsigned> used_;
   std::vector<Group> groups_;
   std::uint64_t version_ = 0;
+};
+
+/// The octets of all items of some copies of a scene, where items are numbered as Interleaving does.
+class OctetsOfCopies {
+ public:
+  explicit OctetsOfCopies(int copies) : takes_part_(copies, 0) { chosen_.reserve(copies); }
+  /// item_at: by place, -1 where there is none.
+  void wire(std::vector<int> item_at) {
+    item_at_ = std::move(item_at);
+    groups_.reserve(item_at_.size() / graphsolve::simd::lanes);
+    groups_.clear();
+    chosen_.clear();
+  }
+  /// f(octet, used), ascending. The same copies as the last time are not looked for again.
+  template <class F>
+  void each(std::span<const int> copies, F&& f) {
+    if (!std::ranges::equal(copies, chosen_)) choose(copies);
+    for (const auto& [octet, used] : groups_) f(octet, used);
+  }
+
+ private:
+  void choose(std::span<const int> copies) {
+    chosen_.assign(copies.begin(), copies.end());
+    groups_.clear();
+    std::ranges::fill(takes_part_, 0);
+    for (const int copy : copies) takes_part_[copy] = 1;
+    for (int place = 0; place < static_cast<int>(item_at_.size()); ++place) {
+      const int item = item_at_[place];
+      if (item < 0 || !takes_part_[item % takes_part_.size()]) continue;
+      if (groups_.empty() || groups_.back().octet != octet_of(place)) groups_.push_back({octet_of(place), 0});
+      groups_.back().used |= 1u << lane_of(place);
+    }
+  }
+
+  struct Group {
+    int octet;
+    unsigned used;
+  };
+  std::vector<char> takes_part_;  ///< by copy
+  std::vector<int> item_at_, chosen_;
+  std::vector<Group> groups_;
 };
 
 /// f(lane, place) for all eight lanes; those that are not used stand in for the first that is.
