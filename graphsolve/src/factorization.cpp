@@ -24,7 +24,7 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
   row_exchange_.assign(s.rows(), 0);
   reference_.assign(s.rows(), 0.0);
   rank_.resize(s.pivots());
-  if (symmetric()) halved_.assign(s.pivots(), 0);
+  if (symmetric()) halved_.assign(s.pivots(), Halved::no);
   referenced_.reserve(std::ranges::count_if(std::views::iota(0, s.pivots()), [&](int k) { return starts_with_reference(k); }));
   first_row_.assign(s.pivots(), 0);
   equal_.assign(s.pivots(), 0);
@@ -308,19 +308,24 @@ bool Factorization::factorize_pivot_any(int k, const PivotBlocks& blocks, Outcom
 
 /// The blocks between the couplings lose L D^-1 U.
 void Factorization::eliminate(int k, const PivotBlocks& blocks, Outcome& outcome) {
-  if (symbolic_->pivot(k).coupled_rows == 0) return;
-  finish_panel(k, blocks, outcome);
+  const int couplings = static_cast<int>(symbolic_->coupled(k).size()), d = symbolic_->dimension(k);
+  if (couplings == 0) return;
+  if (may_be_spread(k) && in_rows(couplings, d)) spread_panel(k, blocks, 0, blocks.lower, d * d, 0, d);
+  else finish_panel(k, blocks);
+  outcome.operations += panel_operations(k);
   update(k, blocks, 0, outcome);
 }
 
 /// What is above and below a factored block becomes what updates the blocks that follow by its product.
-void Factorization::finish_panel(int k, const PivotBlocks& blocks, Outcome& outcome) const {
+void Factorization::finish_panel(int k, const PivotBlocks& blocks) const {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
-  const std::int64_t d = p.dimension;
-  const bool half = is_halved(k);
-  if (half) halve_panel(k, blocks);
+  if (is_halved(k)) halve_panel(k, blocks);
   else solve_diagonal(k, blocks.diagonal, blocks.upper, p.coupled_rows, p.dimension);
-  outcome.operations += (half ? d * (d + 1) / 2 : d * d) * p.coupled_rows;
+}
+
+std::int64_t Factorization::panel_operations(int k) const {
+  const std::int64_t d = symbolic_->dimension(k);
+  return (is_halved(k) ? d * (d + 1) / 2 : d * d) * symbolic_->pivot(k).coupled_rows;
 }
 
 }  // namespace graphsolve

@@ -27,9 +27,8 @@ void Factorization::update_member(int begin, int k, const double* l, int depth) 
     product(own, d, l + (r - begin) * d * d, w + (r - begin) * d, known, d, d, d);
     if (watch) note_added(k, own, d);
   }
-  double* lower = v + p.lower;
-  for (int i = 1; i <= m; ++i, lower += d * d)
-    product(lower, d, l + static_cast<std::ptrdiff_t>(i) * depth * d, w, known, d, known, d);
+  const std::ptrdiff_t next = static_cast<std::ptrdiff_t>(depth) * d;
+  kernels_->columns_of_blocks[d - 1](v + p.lower, l + next, next, w, known, m);
   if (symmetric()) return;
   for (int r = begin; r < k; ++r)
     product(v + p.upper, d, l + (r - begin) * d * d, v + s.pivot(r).upper + (k - r) * d * d, d, d, d, m * d);
@@ -56,27 +55,40 @@ void Factorization::update_after(int begin, int size, const double* l, const dou
   }
 }
 
+/// The panel of member r becomes part of the gathered L, block row after block row, each depth x d, and of the spread W. What the
+/// members behind it take from it stays where it is.
+void Factorization::gather_member(int begin, int r, int size, double* l) {
+  const Symbolic& s = *symbolic_;
+  const int k = begin + r, d = s.dimension(k), depth = size * d, inside = size - 1 - r;
+  const int couplings = static_cast<int>(s.coupled(k).size());
+  const PivotBlocks blocks = open(k);
+  const std::ptrdiff_t next = static_cast<std::ptrdiff_t>(depth) * d;
+  const bool at_once = may_be_spread(k);
+  l += r * next + r * d * d;
+  if (at_once) {
+    kernels_->halve(d)(blocks.diagonal, blocks.lower, blocks.upper, d, d, inside);
+    spread_panel(k, blocks, inside, l + inside * next, next, r * d, depth);
+  } else {
+    finish_panel(k, blocks);
+    kernels_->spreads[d - 1](blocks.upper + inside * d * d, spread_.data(), d, couplings - inside, r * d, depth);
+  }
+  for (int i = 0; i < (at_once ? inside : couplings); ++i) std::copy_n(blocks.lower + i * d * d, d * d, l + i * next);
+}
+
 /// Pivots begin, ..., begin + size - 1, a group.
 void Factorization::eliminate_group(int begin, int size, Outcome& outcome) {
   const Symbolic& s = *symbolic_;
   const int d = s.dimension(begin), depth = size * d, couplings = static_cast<int>(s.coupled(begin).size());
-  double* spread_w = spread_.data();
-  double* l = spread_w + kernels::spread_size(depth, couplings, d);  // block row after block row, each depth x d
+  double* l = spread_.data() + kernels::spread_size(depth, couplings, d);
   for (int r = 0; r < size && outcome.ok(); ++r) {
-    const int k = begin + r, m = couplings - r;
-    const Symbolic::Pivot& p = s.pivot(k);
+    const int k = begin + r;
     if (r > 0) update_member(begin, k, l + static_cast<std::ptrdiff_t>(r - 1) * depth * d, depth);
     begin_alone(k, outcome);
     if (!factorize_pivot(k, open(k), outcome)) return;
-    finish_panel(k, open(k), outcome);
-    outcome.operations += d * updated_scalars(m, d);
-    const double* lower = values_.data() + p.lower;
-    for (int i = r; i < couplings; ++i, lower += d * d)
-      std::copy_n(lower, d * d, l + static_cast<std::ptrdiff_t>(i) * depth * d + r * d * d);
-    const int inside = size - 1 - r;
-    kernels_->spreads[d - 1](values_.data() + p.upper + inside * d * d, spread_w, d, m - inside, r * d, depth);
+    gather_member(begin, r, size, l);
+    outcome.operations += panel_operations(k) + d * updated_scalars(couplings - r, d);
   }
-  if (outcome.ok()) update_after(begin, size, l + static_cast<std::ptrdiff_t>(size - 1) * depth * d, spread_w);
+  if (outcome.ok()) update_after(begin, size, l + static_cast<std::ptrdiff_t>(size - 1) * depth * d, spread_.data());
 }
 
 }  // namespace graphsolve

@@ -99,7 +99,8 @@ void Factorization::solve_forward(int k, double* x, int columns) const {
   }
 }
 
-/// x_k loses D^-1 U times the coupled rows, or L^-1 P^T times them before it goes through the second half.
+/// x_k loses D^-1 U times the coupled rows, or L^-1 P^T times them before it goes through the second half; where that is not kept
+/// (P L^-T D^-1)^T times them on the way.
 void Factorization::solve_backward(int k, double* x, int columns) const {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
@@ -108,6 +109,12 @@ void Factorization::solve_backward(int k, double* x, int columns) const {
   const PivotFactor factor = factor_of(k, buffer);
   const double* upper = factor.upper;
   const Gathered own(x, s.program().row_place(k), p.dimension);
+  if (is_half_kept(k)) {
+    const auto backward = kernels_->backward_halves[p.dimension - 1];
+    for (int c = 0; c < columns; ++c)
+      backward(factor.diagonal, own.rows() + c * stride, s.program().places(), s.coupled(k), factor.lower, x + c * stride);
+    return;
+  }
   if (columns == 1 && equal_[k] > 0 && among_single_[k]) {
     kernels_->backwards[equal_[k] - 1](own.rows(), s.program().places(), s.coupled(k), upper, x, p.dimension);
   } else {

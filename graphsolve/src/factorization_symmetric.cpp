@@ -47,6 +47,20 @@ void Factorization::halve_panel(int k, const PivotBlocks& blocks) const {
   }
 }
 
+/// Is the panel below this block of the kind that goes spread at once? What refactorize() applies again it needs whole.
+bool Factorization::may_be_spread(int k) const {
+  const int d = symbolic_->dimension(k);
+  return is_halved(k) && share_.empty() && among_single_[k] && equal_[k] == d && d <= kernels::max_spread;
+}
+
+/// halve_panel from coupling `from` on. L^-1 P^T is not kept, but goes to rows [begin, begin + d) of the spread W; P L^-T D^-1 also
+/// to l, from block to block `next` apart.
+void Factorization::spread_panel(int k, const PivotBlocks& blocks, int from, double* l, std::ptrdiff_t next, int begin, int depth) {
+  const int d = symbolic_->dimension(k), couplings = static_cast<int>(symbolic_->coupled(k).size());
+  kernels_->halve_and_spreads[d - 1](blocks.diagonal, blocks.lower + from * d * d, l, next, spread_.data(), couplings - from, begin, depth);
+  halved_[k] = Halved::and_spread;
+}
+
 /// U := P^T; the solve turns it into W.
 void Factorization::transpose_panel(int k, const PivotBlocks& blocks) const {
   const Symbolic& s = *symbolic_;
@@ -111,8 +125,9 @@ bool Factorization::factorize_pivot_symmetric(int k, const PivotBlocks& blocks, 
   const bool may_be_spoilt = kernels::Table::kind(d) == 0;
   if (may_be_spoilt) std::copy_n(diagonal, d * d, work_.data());
   outcome.operations += ldlt_operations(d);
-  halved_[k] = kernels_->factor_definite(d)(diagonal, reference_.data() + p.row, sign, smallest, d);
-  if (halved_[k]) {
+  const bool halved = kernels_->factor_definite(d)(diagonal, reference_.data() + p.row, sign, smallest, d);
+  halved_[k] = halved ? Halved::yes : Halved::no;
+  if (halved) {
     (sign < 0 ? outcome.inertia.negative : outcome.inertia.positive) += d;
     return true;
   }

@@ -68,7 +68,7 @@ void Factorization::update(int k, const PivotBlocks& blocks, int from, Outcome& 
   const double* lower = blocks.lower + s.block_offset_[p.begin + from];
   const double* upper = blocks.upper + s.block_offset_[p.begin + from];
   const int size = !scattered_[k] && in_rows(m - from, equal_[k]) ? equal_[k] : 0;
-  if (size > 0) kernels_->spreads[size - 1](upper, spread_.data(), d, m - from, 0, d);
+  if (size > 0 && !is_half_kept(k)) kernels_->spreads[size - 1](upper, spread_.data(), d, m - from, 0, d);
   std::int64_t scalars = size > 0 ? updated_scalars(m - from, size) : 0;
   for (int i = from; i < m; ++i) {
     const std::int64_t* target = s.targets(p) + static_cast<std::int64_t>(i) * p.target_stride + from;

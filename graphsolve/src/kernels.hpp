@@ -34,6 +34,10 @@ using FactorDefinite = bool (*)(double* a, const double* reference, double sign,
 /// The panel below a block that FactorDefinite has factored, blocks P of `rows` each, one after the other: lower := P L^-T D^-1,
 /// upper (d x rows) := L^-1 P^T. Their product is P A^-1 P^T.
 using Halve = void (*)(const double* a, double* lower, double* upper, int rows, int d, int blocks);
+/// The same for blocks of S x S, of which L^-1 P^T goes spread (Spread, below) into rows [begin, begin + S) of one that is `depth` deep,
+/// and P L^-T D^-1 also to l, from block to block `next` apart.
+using HalveAndSpread = void (*)(const double* a, double* lower, double* l, std::ptrdiff_t next, double* spread_w, int blocks,
+                                int begin, int depth);
 /// X (d x n) := A^-1 X with the result of Factor or FactorDefinite; columns of X lie `stride` apart. Of the latter also the
 /// halves: first L^-1 X, second L^-T D^-1 X.
 using Solve = void (*)(const double* a, const int* rows, double* x, int d, int n, std::ptrdiff_t stride);
@@ -44,10 +48,16 @@ using Forward = void (*)(double* x, const int* places, std::span<const int> coup
 /// y (d) loses W (d x S blocks) times the S rows of x at ~places[coupled[j]].
 using Backward = void (*)(double* y, const int* places, std::span<const int> coupled, const double* upper, const double* x,
                           int d);
+/// With what Halve leaves of S x S blocks: y (S) := L^-T (D^-1 y - (P L^-T D^-1)^T x), x as above.
+using BackwardHalf = void (*)(const double* a, double* y, const int* places, std::span<const int> coupled, const double* lower,
+                              const double* x);
 
 /// Such a block j, at c, alone: d columns of L after d columns. `reference` (S) keeps the amounts of largest size, signed,
 /// that were added to the entries of its diagonal.
 using WatchedBlock = void (*)(double* c, double* reference, const double* l, const double* spread_w, int depth, int d, int j);
+/// Blocks of S x S at c, one after the other, lose those of S x `depth` at l, `next` apart, times W (depth x S); depth is at
+/// most at_once.
+using ColumnOfBlocks = void (*)(double* c, const double* l, std::ptrdiff_t next, const double* w, int depth, int blocks);
 /// Blocks of S x S, one after the other, transposed.
 using Transpose = void (*)(const double* from, double* to, int blocks);
 /// Numbers that a row of four blocks of a spread W takes: each begins with a cache line.
@@ -69,11 +79,14 @@ struct Table {
   Product also_product;
   std::array<LowerProduct, max_rows + 1> lower_products;
   std::array<Spread, max_spread> spreads;  ///< place S - 1
+  std::array<HalveAndSpread, max_spread> halve_and_spreads;
   std::array<RowOfBlocks, max_spread> rows_of_blocks;
   std::array<WatchedBlock, max_spread> watched_blocks;
+  std::array<ColumnOfBlocks, max_spread> columns_of_blocks;
   std::array<Transpose, max_spread> transposes;
   std::array<Forward, max_equal> forwards;
   std::array<Backward, max_equal> backwards;
+  std::array<BackwardHalf, max_spread> backward_halves;
   std::array<Factor, kinds_of_dimension> factors;  ///< of these the last is for also_fixed
   std::array<FactorDefinite, kinds_of_dimension> definite_factors;
   std::array<Halve, kinds_of_dimension> halves;

@@ -194,6 +194,7 @@ class Factorization {
   void eliminate_alone(int k, Outcome& outcome);
   void begin_alone(int k, Outcome& outcome);
   void eliminate_group(int begin, int size, Outcome& outcome);
+  void gather_member(int begin, int r, int size, double* l);
   void update_member(int begin, int k, const double* l, int depth);
   void update_after(int begin, int size, const double* l, const double* spread_w);
   void alone_if_active(int k, std::span<Outcome> outcomes);
@@ -211,8 +212,12 @@ class Factorization {
   [[nodiscard]] double largest_of(int k) const;
   void transpose_panel(int k, const PivotBlocks& blocks) const;
   void halve_panel(int k, const PivotBlocks& blocks) const;
-  void finish_panel(int k, const PivotBlocks& blocks, Outcome& outcome) const;
-  [[nodiscard]] bool is_halved(int pivot) const { return symmetric() && halved_[pivot]; }
+  void finish_panel(int k, const PivotBlocks& blocks) const;
+  [[nodiscard]] bool may_be_spread(int k) const;
+  void spread_panel(int k, const PivotBlocks& blocks, int from, double* l, std::ptrdiff_t next, int begin, int depth);
+  [[nodiscard]] std::int64_t panel_operations(int k) const;
+  [[nodiscard]] bool is_halved(int pivot) const { return symmetric() && halved_[pivot] != Halved::no; }
+  [[nodiscard]] bool is_half_kept(int pivot) const { return symmetric() && halved_[pivot] == Halved::and_spread; }
   void mirror_matrix(int k);
   void eliminate(int k, const PivotBlocks& blocks, Outcome& outcome);
   void update(int k, const PivotBlocks& blocks, int from, Outcome& outcome);
@@ -269,7 +274,9 @@ class Factorization {
   std::vector<int> row_exchange_;     ///< per row in pivot order: the row that took this place in its block
   std::vector<int> column_exchange_;  ///< same for columns, where the rank is not full; empty where it always is
   std::vector<int> rank_;             ///< per pivot
-  std::vector<char> halved_;          ///< per pivot of a symmetric kind that went by itself: is its block definite?
+  /// A panel below a definite block goes through half a solve; where it is spread at once its L^-1 P^T is not kept.
+  enum class Halved : char { no, yes, and_spread };
+  std::vector<Halved> halved_;        ///< per pivot of a symmetric kind that went by itself
   std::vector<int> first_row_;        ///< per pivot: first row in pivot order
   std::vector<int> referenced_;       ///< pivots that start_with_reference, ascending
   std::vector<double> reference_;     ///< per row of the user: largest amount, signed, added to a saddle diagonal;

@@ -13,6 +13,7 @@
 
 #include "simd/definite-inl.hpp"
 #include "simd/products-inl.hpp"
+#include "simd/spread-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace graphsolve::kernels::HWY_NAMESPACE {
@@ -201,9 +202,12 @@ constexpr void fill(Table& t, std::integer_sequence<int, I...>) {
 template <int... I>
 constexpr void fill_rows_of_blocks(Table& t, std::integer_sequence<int, I...>) {
   t.spreads = {&spread<I + 1>...};
+  t.halve_and_spreads = {&halve_and_spread<I + 1>...};
   t.rows_of_blocks = {&row_of_blocks<I + 1>...};
   t.watched_blocks = {&watched_block<I + 1>...};
+  t.columns_of_blocks = {&column_of_blocks<I + 1>...};
   t.transposes = {&transpose_blocks<I + 1>...};
+  t.backward_halves = {&backward_half<I + 1>...};
 }
 template <int... I>
 constexpr void fill_solves(Table& t, std::integer_sequence<int, I...>) {

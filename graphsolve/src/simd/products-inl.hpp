@@ -7,7 +7,6 @@
 #endif
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <span>
 
@@ -81,139 +80,6 @@ void lower_product(double* c, const double* a, const double* b, int m, int k) {
   } else {
     for (int j = 0; j < m; j += 8)
       product_any(c + j * (m + 1), m, a + j, m, b + j * k, k, m - j, k, std::min(8, m - j));
-  }
-}
-
-/// How the S^2 numbers of a block are worked on: so many in registers of their own, and the rest, one at most, with those of
-/// three other blocks. A spread W has for every four blocks and every p the numbers that column p of an L is multiplied
-/// by: first those of the registers, block after block, then the rest of all four.
-template <int S>
-struct Parts {
-  static constexpr int square = S * S, own = square & ~3, rest = square - own, four = spread_row(S);
-};
-
-template <int S>
-void spread(const double* HWY_RESTRICT w, double* HWY_RESTRICT to, int d, int blocks, int begin, int depth) {
-  using P = Parts<S>;
-  for (int j = 0; j < blocks; ++j, w += S * d) {
-    double* place = to + (static_cast<std::ptrdiff_t>(j / 4) * depth + begin) * P::four;
-    const int b = j % 4;
-    for (int p = 0; p < d; ++p, place += P::four) {
-#pragma GCC unroll 16
-      for (int e = 0; e < P::own; ++e) place[b * P::own + e] = w[e / S * d + p];
-      if (P::rest) place[4 * P::own + b] = w[(S - 1) * d + p];
-    }
-  }
-}
-
-/// The blocks [begin, end) of a row lose `some` columns of L times their part of W; D: as many columns, known here.
-template <int S, int D>
-HWY_INLINE void part_of_row(double* values, const std::int64_t* target, const double* l, const double* spread_w, int depth,
-                            int begin, int end, int some_) {
-  using P = Parts<S>;
-  using Own = Rows<P::own>;
-  using Rest = Rows<P::rest>;
-  constexpr int largest = D ? D : at_once;
-  const int some = D ? D : some_;
-  Own left[largest];
-  double last[largest];
-  for (int p = 0; p < some; ++p) {
-    double tile[P::own + 1];
-#pragma GCC unroll 16
-    for (int e = 0; e < P::own; ++e) tile[e] = l[p * S + e % S];
-    left[p] = Own::load(tile);
-    last[p] = l[p * S + S - 1];
-  }
-  const auto one = [&](int j) {
-    const double* w = spread_w + static_cast<std::ptrdiff_t>(j / 4) * depth * P::four;
-    const int b = j % 4;
-    double* to = values + target[j];
-    Own sum = Own::load(to);
-    Rest rest = Rest::load(to + P::own);
-#pragma GCC unroll 12
-    for (int p = 0; p < some; ++p, w += P::four) {
-      sum.subtract_each(left[p], Own::load(w + b * P::own));
-      rest.subtract(Rest::load(w + 4 * P::own + b), last[p]);
-    }
-    sum.store(to);
-    rest.store(to + P::own);
-  };
-  int j = begin;
-  if constexpr (hn::MaxLanes(Together()) == 4) {
-    for (; j < end && j % 4 != 0; ++j) one(j);
-    for (; j + 4 <= end; j += 4) {
-      const double* w = spread_w + static_cast<std::ptrdiff_t>(j / 4) * depth * P::four;
-      double* to[4];
-      Own sum[4];
-#pragma GCC unroll 4
-      for (int b = 0; b < 4; ++b) {
-        to[b] = values + target[j + b];
-        sum[b] = Own::load(to[b]);
-      }
-      auto rest = hn::Zero(Together());
-      if constexpr (P::rest > 0) rest = load_row(Together(), to, P::own);
-#pragma GCC unroll 12
-      for (int p = 0; p < some; ++p, w += P::four) {
-#pragma GCC unroll 4
-        for (int b = 0; b < 4; ++b) sum[b].subtract_each(left[p], Own::load(w + b * P::own));
-        if constexpr (P::rest > 0)
-          rest = hn::NegMulAdd(hn::LoadU(Together(), w + 4 * P::own), hn::Set(Together(), last[p]), rest);
-      }
-#pragma GCC unroll 4
-      for (int b = 0; b < 4; ++b) sum[b].store(to[b]);
-      if constexpr (P::rest > 0) store_row(Together(), to, P::own, rest);
-    }
-  }
-  for (; j < end; ++j) one(j);
-}
-
-/// Blocks of S x S, which lie wherever they do, lose L (S x depth) times their columns of the spread W.
-template <int S>
-void row_of_blocks(double* values, const std::int64_t* target, const double* l, const double* spread_w, int depth, int begin,
-                   int end) {
-  int done = 0;
-  const auto part = [&]<int D>(int some) {
-    part_of_row<S, D>(values, target, l + done * S, spread_w + done * Parts<S>::four, depth, begin, end, some);
-    done += some;
-  };
-  while (depth - done > at_once) part.template operator()<at_once>(at_once);
-  switch (depth - done) {
-    case S: return part.template operator()<S>(S);
-    case 2 * S: return part.template operator()<2 * S>(2 * S);
-    case 3 * S: return part.template operator()<3 * S>(3 * S);
-    default: break;
-  }
-  if (depth - done == at_once) return part.template operator()<at_once>(at_once);
-  part.template operator()<0>(depth - done);
-}
-
-/// Block j alone, d columns of L after d columns, and the largest amount that each time is added to its diagonal.
-template <int S>
-void watched_block(double* c, double* HWY_RESTRICT reference, const double* HWY_RESTRICT l, const double* HWY_RESTRICT spread_w,
-                   int depth, int d, int j) {
-  using P = Parts<S>;
-  const double* w = spread_w + static_cast<std::ptrdiff_t>(j / 4) * depth * P::four;
-  const int b = j % 4;
-  Rows<S> sum[S];
-  double before[S];
-#pragma GCC unroll 4
-  for (int q = 0; q < S; ++q) {
-    sum[q] = Rows<S>::load(c + q * S);
-    before[q] = c[q * (S + 1)];
-  }
-  for (int begin = 0; begin < depth; begin += d) {
-    for (int p = 0; p < d; ++p, l += S, w += P::four) {
-      const Rows<S> column = Rows<S>::load(l);
-#pragma GCC unroll 4
-      for (int q = 0; q < S; ++q) sum[q].subtract(column, w[q * S < P::own ? b * P::own + q * S : 4 * P::own + b]);
-    }
-#pragma GCC unroll 4
-    for (int q = 0; q < S; ++q) {
-      sum[q].store(c + q * S);
-      const double added = c[q * (S + 1)] - before[q];
-      reference[q] = std::abs(added) > std::abs(reference[q]) ? added : reference[q];  // no branch: unpredictable
-      before[q] = c[q * (S + 1)];
-    }
   }
 }
 
@@ -291,6 +157,31 @@ void backward(double* y, const int* places, std::span<const int> coupled, const 
   for (const int later : coupled) {
     product_any(y, d, upper, d, x + ~places[later], S, d, S, 1);
     upper += S * d;
+  }
+}
+
+/// As BackwardHalf describes it. Sums of one row each stay apart until all couplings are through.
+template <int S>
+void backward_half(const double* a, double* y, const int* places, std::span<const int> coupled, const double* HWY_RESTRICT lower,
+                   const double* x) {
+  Rows<S> sum[S];
+#pragma GCC unroll 4
+  for (int p = 0; p < S; ++p) sum[p] = Rows<S>::zero();
+  for (const int later : coupled) {
+    const Rows<S> rows = Rows<S>::load(x + ~places[later]);
+#pragma GCC unroll 4
+    for (int p = 0; p < S; ++p) sum[p].subtract_each(Rows<S>::load(lower + p * S), rows);
+    lower += S * S;
+  }
+#pragma GCC unroll 4
+  for (int p = S - 1; p >= 0; --p) {
+    double part[S];
+    sum[p].store(part);
+    y[p] *= a[p * (S + 1)];
+#pragma GCC unroll 4
+    for (int i = 0; i < S; ++i) y[p] += part[i];
+#pragma GCC unroll 4
+    for (int i = p + 1; i < S; ++i) y[p] -= a[p * S + i] * y[i];
   }
 }
 

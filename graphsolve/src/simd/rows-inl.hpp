@@ -36,9 +36,26 @@ struct Rows {
     r.tail = Rows<M - width>::load(from + width);
     return r;
   }
+  HWY_INLINE static Rows zero() {
+    Rows r;
+    r.head = hn::Zero(Tag());
+    r.tail = Rows<M - width>::zero();
+    return r;
+  }
   HWY_INLINE void store(double* to) const {
     hn::StoreU(head, Tag(), to);
     tail.store(to + width);
+  }
+  [[nodiscard]] HWY_INLINE double last() const {
+    if constexpr (M == 1) {
+      return hn::GetLane(head);
+    } else if constexpr (M == width) {
+      double all[M];
+      store(all);
+      return all[M - 1];
+    } else {
+      return tail.last();
+    }
   }
   /// this -= a s
   HWY_INLINE void subtract(const Rows& a, double s) {
@@ -68,6 +85,7 @@ template <>
 struct Rows<0> {
   static constexpr int registers = 0;
   HWY_INLINE static Rows load(const double*) { return {}; }
+  HWY_INLINE static Rows zero() { return {}; }
   HWY_INLINE void store(double*) const {}
   HWY_INLINE void subtract(const Rows&, double) {}
   [[nodiscard]] HWY_INLINE Rows times(double) const { return {}; }
