@@ -20,6 +20,19 @@ inline double thread_time() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
+inline double median(std::vector<double> values);
+
+/// What a pair of calls of thread_time() finds between them: time of the clock itself, a third of a microsecond where it is a
+/// system call. Where single steps of a few microseconds are timed it is taken off.
+inline double clock_time(int count = 1001) {
+  std::vector<double> pairs;
+  for (int i = 0; i < count; ++i) {
+    const double begin = thread_time();
+    pairs.push_back(thread_time() - begin);
+  }
+  return median(std::move(pairs));
+}
+
 inline double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());

@@ -61,6 +61,7 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   std::iota(selected_.begin(), selected_.end(), 0);
   outcomes_.resize(components);
   running_.reserve(components);
+  listed_.reserve(components);
   keep_running_.reserve(components);
   refining_.reserve(components);
 }
@@ -95,6 +96,7 @@ void InteriorPoint::make_lists(Lists& lists, std::span<const int> component_of_i
   std::vector<int> everything(lists.component.size());
   std::iota(everything.begin(), everything.end(), 0);
   sort_by_component(lists, everything);
+  lists.given = std::move(everything);
 }
 
 /// Counting sort: within a component the given order is kept.
@@ -110,10 +112,18 @@ void InteriorPoint::sort_by_component(Lists& lists, std::span<const int> instanc
 }
 
 void InteriorPoint::activate(int batch, std::span<const int> instances) {
-  sort_by_component(port_lists_[batch], instances);
+  Lists& lists = port_lists_[batch];
+  if (std::ranges::equal(instances, lists.given)) return;
+  lists.given.assign(instances.begin(), instances.end());
+  sort_by_component(lists, instances);
+  lists_changed_ = true;
 }
 
+/// Lists of what runs. Where nothing does nobody asks for them, and the next solve mostly runs what this one did.
 void InteriorPoint::set_running() {
+  if (running_.empty() || (!lists_changed_ && std::ranges::equal(running_, listed_))) return;
+  lists_changed_ = false;
+  listed_.assign(running_.begin(), running_.end());
   const auto fill = [&](Lists& lists) {
     ++lists.version;
     lists.running.clear();
@@ -174,7 +184,8 @@ void InteriorPoint::start_warm() {
   };
   // Ports may read what terms compute from x. A solve that may end where it starts needs no matrix.
   evaluate_terms(most_expect_to_end() ? With::residual_alone : With::matrix, residual_);
-  copy_rows(running_rows_, residual_, rhs_);
+  const bool with_ports = std::ranges::any_of(running_, [&](int c) { return degree_[c] > 0; });
+  if (with_ports) copy_rows(running_rows_, residual_, rhs_);
   for (const int c : running_) mu_[c] = mu_floor_[c];
   start();
   evaluate_ports();

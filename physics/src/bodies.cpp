@@ -52,8 +52,10 @@ void Bodies::evaluate(graphsolve::Instances instances, std::span<const double> x
     task.at = &at_[octet];
     task.used = used;
     task.dt = dt;
-    for (int l = 0; l < graphsolve::simd::lanes; ++l) task.velocity[l] = x.data() + rows_[octet][l];
+    task.rows = rows_[octet].data();
+    task.x = x.data();
     task.values = values;
+    task.turn_always = turn_always;
     task.blocks = &blocks_[octet];
     kernels_.evaluate(task);
   });
@@ -61,11 +63,7 @@ void Bodies::evaluate(graphsolve::Instances instances, std::span<const double> x
 }
 
 void Bodies::hand_out(std::span<double> residual) {
-  groups_.each_again([&](int octet, unsigned used) {
-    double* rows[graphsolve::simd::lanes];
-    for (int l = 0; l < graphsolve::simd::lanes; ++l) rows[l] = residual.data() + rows_[octet][l];
-    kernels_.hand_out(at_[octet], used, rows);
-  });
+  groups_.each_again([&](int octet, unsigned used) { kernels_.hand_out(at_[octet], used, rows_[octet].data(), residual.data()); });
 }
 
 /// Keeps |w + alpha dw| dt below the bound: the larger root of a quadratic in alpha.

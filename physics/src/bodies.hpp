@@ -46,6 +46,7 @@ class Bodies final : public graphsolve::Term {
   std::vector<int> row;  ///< by body: of the velocity (v', w') among the unknowns
   double dt = 0;
   bool force_at_next = false;  ///< directions of constraint forces are taken at z_{k+2} instead of z_{k+1}
+  bool turn_always = true;     ///< turns are made at every iterate, for contacts; else where the matrix is
   bool joints_push = false;    ///< joints add to the residual in octets, and hand it out
 
   // One body: what it is, and its state.

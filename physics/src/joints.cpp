@@ -121,7 +121,7 @@ void Joints::directions(const JointGeometry& geometry, const Motor* motor, const
   set_lane(geometry, points, 0);
   set_lane(geometry, frames, 0);
   JointTask task;
-  task.rows = rows_kind(geometry, motor);
+  task.kind = rows_kind(geometry, motor);
   task.points = &points;
   task.frames = &frames;
   task.child_force = forces[0];
@@ -135,7 +135,7 @@ void Joints::directions(const JointGeometry& geometry, const Motor* motor, const
   task.parents = poses[0];
   task.children = poses[1];
   joint_kernels().aim(task);
-  for (int r = 0; translations(task.rows) == 3 && r < 3; ++r) {
+  for (int r = 0; translations(task.kind) == 3 && r < 3; ++r) {
     forces[0][7 * r][0] = 1;
     forces[1][7 * r][0] = -1;
   }
@@ -150,22 +150,6 @@ Joints::Matrix6 Joints::parent_force(const Joint& joint) const {
 
 Joints::Matrix6 Joints::child_force(const Joint& joint) const {
   return rows_at(&forces_[octets_[octet_of(joint.place)].forces], physics::rows_of(joint.kind), lane_of(joint.place));
-}
-
-/// With where the numbers of an octet lie.
-JointTask Joints::task_of(int octet, unsigned used) {
-  const JointOctet& o = octets_[octet];
-  JointTask task;
-  task.rows = o.kind;
-  task.points = &points_[octet];
-  task.frames = o.frames < 0 ? nullptr : &frames_[o.frames];
-  task.motor = o.motor < 0 ? nullptr : &motors_[o.motor];
-  task.child_force = &forces_[o.forces];
-  task.parent_force = task.child_force + 6 * physics::rows_of(o.kind);
-  task.stands = wrenches_[octet].stands;
-  task.children_are_world = o.children_are_world;
-  task.used = used;
-  return task;
 }
 
 double Joints::coordinate(const Joint& joint, const Pose& a, const Pose& b) const {

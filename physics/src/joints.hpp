@@ -111,10 +111,19 @@ class Joints final : public graphsolve::Term {
     return {joints_[i].geometry.child, joints_[i].geometry.parent};
   }
   [[nodiscard]] unsigned lanes_used(int octet) const;
+  /// Eight joints with the same kind of rows, and where their numbers lie below: what the kind does not need is not there.
+  struct JointOctet {
+    JointRows kind;
+    int frames = -1, motor = -1;
+    int forces = 0;  ///< of the children, by row; then of the parents
+    int parents = -1, children = -1;  ///< octets of bodies that lie in the same lanes
+    std::array<int, graphsolve::simd::lanes> parent{}, child{};  ///< places of the bodies
+    unsigned running = 0;  ///< lanes that were evaluated last
+    JointTask task{};  ///< with where all of this is; lanes without a joint stand in for one that is there
+  };
   using When = Bodies::When;
-  void aim_octet(int octet, unsigned used, When when);
-  void point_at(JointTask& task, int octet, When when) const;
-  void evaluate_octet(int octet, unsigned used, std::span<const double> x, std::span<double> residual, double* values);
+  void aim_octet(JointOctet& octet, unsigned used, When when);
+  void point_at(JointOctet& octet, When when) const;
   void push();
   struct DirectionDerivative;
   void differentiate_translation(const Joint& joint, std::span<const double> lambda, DirectionDerivative& d) const;
@@ -129,23 +138,13 @@ class Joints final : public graphsolve::Term {
 
   Bodies& bodies_;
   std::vector<Joint> joints_;
-  /// Eight joints with the same kind of rows, and where their numbers lie below: what the kind does not need is not there.
-  struct JointOctet {
-    JointRows kind;
-    int frames = -1, motor = -1;
-    int forces = 0;  ///< of the children, by row; then of the parents
-    int parents = -1, children = -1;  ///< octets of bodies that lie in the same lanes
-    unsigned children_are_world = 0;  ///< lanes where the child is
-    // By lane; those without a joint stand in for one that is there.
-    std::array<int, graphsolve::simd::lanes> rows{}, parent{}, child{};  ///< first row; places of the bodies
-  };
   /// What joints do to bodies: an octet to an octet in the same lanes, or one lane to one body.
   struct Push {
     int octet, lane;  ///< -1: all
     int body;         ///< octet, or place
     bool on_parent;
   };
-  [[nodiscard]] JointTask task_of(int octet, unsigned used);
+  void make_tasks();
   [[nodiscard]] MotorOctet& motor_octet(const Joint& joint) { return motors_[octets_[octet_of(joint.place)].motor]; }
   [[nodiscard]] const MotorOctet& motor_octet(const Joint& joint) const {
     return motors_[octets_[octet_of(joint.place)].motor];
@@ -161,7 +160,6 @@ class Joints final : public graphsolve::Term {
   OctetGroups groups_;
   OctetsOfCopies of_copies_;
   std::vector<JointWrenches> wrenches_;  ///< by octet
-  std::vector<unsigned> running_;        ///< by octet: lanes that were evaluated last
   std::vector<Push> pushes_;             ///< to each body in the order of the joints: sums in bits depend on it
 };
 

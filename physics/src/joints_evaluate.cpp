@@ -5,23 +5,32 @@
 namespace physics {
 
 void Joints::aim(std::span<const int> copies) {
-  of_copies_.each(copies, [&](int octet, unsigned used) { aim_octet(octet, used, When::now); });
+  of_copies_.each(copies, [&](int octet, unsigned used) { aim_octet(octets_[octet], used, When::now); });
 }
 
-void Joints::aim_octet(int octet, unsigned used, When when) {
-  JointTask task = task_of(octet, used);
-  point_at(task, octet, when);
-  kernels_.aim(task);
+void Joints::aim_octet(JointOctet& octet, unsigned used, When when) {
+  point_at(octet, when);
+  octet.task.used = used;
+  kernels_.aim(octet.task);
 }
 
 void Joints::evaluate(graphsolve::Instances instances, std::span<const double> x, std::span<double> residual,
                       double* values) {
   if (joints_.empty()) return;
-  std::ranges::fill(running_, 0u);
-  groups_.each(instances.index, instances.version, [&](int i) { return joints_[i].place; }, [&](int octet, unsigned used) {
-    if (bodies_.force_at_next) aim_octet(octet, used, When::next);
-    evaluate_octet(octet, used, x, residual, values);
-    running_[octet] = used;
+  if (groups_.take(instances.index, instances.version, [&](int i) { return joints_[i].place; })) {
+    for (JointOctet& octet : octets_) octet.running = 0;
+    groups_.each_again([&](int octet, unsigned used) { octets_[octet].running = used; });
+  }
+  groups_.each_again([&](int octet, unsigned used) {
+    JointOctet& o = octets_[octet];
+    if (bodies_.force_at_next) aim_octet(o, used, When::next);
+    point_at(o, When::next);
+    o.task.used = used;
+    o.task.dt = bodies_.dt;
+    o.task.x = x.data();
+    o.task.residual = residual.data();
+    o.task.values = values;
+    kernels_.evaluate(o.task);
   });
   push();
   bodies_.hand_out(residual);
@@ -29,24 +38,8 @@ void Joints::evaluate(graphsolve::Instances instances, std::span<const double> x
   for (const int i : instances.index) add_direction_derivative(joints_[i], Eigen::Map<const Vec3>(x.data() + joints_[i].row), values);
 }
 
-void Joints::evaluate_octet(int octet, unsigned used, std::span<const double> x, std::span<double> residual,
-                            double* values) {
-  JointTask task = task_of(octet, used);
-  task.dt = bodies_.dt;
-  task.values = values;
-  task.blocks = &blocks_[octet];
-  point_at(task, octet, When::next);
-  for (int l = 0; l < graphsolve::simd::lanes; ++l) {
-    task.impulses[l] = x.data() + octets_[octet].rows[l];
-    task.residual[l] = residual.data() + octets_[octet].rows[l];
-  }
-  task.wrenches = &wrenches_[octet];
-  kernels_.evaluate(task);
-}
-
 /// Poses: whole octets, or lane by lane.
-void Joints::point_at(JointTask& task, int octet, When when) const {
-  const JointOctet& o = octets_[octet];
+void Joints::point_at(JointOctet& octet, When when) const {
   const auto point = [&](int whole, const auto& places, const Octet*& all, const double** lanes) {
     const auto poses = [&](int bodies) { return when == When::now ? bodies_.poses_now(bodies) : bodies_.poses_next(bodies); };
     if (whole >= 0) {
@@ -55,14 +48,14 @@ void Joints::point_at(JointTask& task, int octet, When when) const {
     }
     for (int l = 0; l < graphsolve::simd::lanes; ++l) lanes[l] = &poses(octet_of(places[l]))->lane[lane_of(places[l])];
   };
-  point(o.parents, o.parent, task.parents, task.parent);
-  point(o.children, o.child, task.children, task.child);
+  point(octet.parents, octet.parent, octet.task.parents, octet.task.parent);
+  point(octet.children, octet.child, octet.task.children, octet.task.child);
 }
 
 /// Forces on the bodies.
 void Joints::push() {
   for (const Push& p : pushes_) {
-    const unsigned used = running_[p.octet];
+    const unsigned used = octets_[p.octet].running;
     const Octet* wrench = p.on_parent ? wrenches_[p.octet].parent : wrenches_[p.octet].child;
     if (p.lane >= 0) {
       if (used >> p.lane & 1u) bodies_.push_one(p.body, wrench, p.lane);

@@ -23,6 +23,7 @@ void Joints::wire(const graphsolve::Wiring& wiring) {
   find_blocks(wiring);
   find_neighbours();
   find_pushes();
+  make_tasks();
   bodies_.joints_push = true;
 }
 
@@ -34,7 +35,6 @@ void Joints::move_to(std::span<const int> places) {
   const auto forces_before = std::exchange(forces_, {});
   points_.assign(octets, {});
   wrenches_.assign(octets, {});
-  running_.assign(octets, 0);
   joint_at_.assign(octets * graphsolve::simd::lanes, -1);
   groups_.resize(octets);
   for (int i = 0; i < size(); ++i) {
@@ -56,7 +56,6 @@ void Joints::move_to(std::span<const int> places) {
     Joint& joint = joints_[i];
     const int before = std::exchange(joint.place, places[i]);
     set(i, joint.geometry, joint.motor);
-    if (joint.geometry.child < 0) octets_[octet_of(joint.place)].children_are_world |= 1u << lane_of(joint.place);
     for (int r = 0; translations(joint.kind) == 3 && r < 3; ++r) {  // along world axes
       Octet* force = &forces_[octets_[octet_of(joint.place)].forces] + 7 * r;
       force[0][lane_of(joint.place)] = 1;
@@ -105,10 +104,27 @@ void Joints::find_neighbours() {
     o.children = bodies_.octet_of_all(child);
     each_lane(octet, lanes_used(octet), [&](int l, int place) {
       const Joint& joint = joints_[joint_at_[place]];
-      o.rows[l] = joint.row;
+      o.task.rows[l] = joint.row;
+      if (joint.geometry.child < 0) o.task.children_are_world |= 1u << l;
       o.parent[l] = bodies_.place_of(joint.geometry.parent);
       o.child[l] = bodies_.place_of(joint.geometry.child);
     });
+  }
+}
+
+void Joints::make_tasks() {
+  for (std::size_t k = 0; k < octets_.size(); ++k) {
+    JointOctet& o = octets_[k];
+    JointTask& task = o.task;
+    task.kind = o.kind;
+    task.points = &points_[k];
+    task.frames = o.frames < 0 ? nullptr : &frames_[o.frames];
+    task.motor = o.motor < 0 ? nullptr : &motors_[o.motor];
+    task.child_force = &forces_[o.forces];
+    task.parent_force = task.child_force + 6 * physics::rows_of(o.kind);
+    task.wrenches = &wrenches_[k];
+    task.stands = wrenches_[k].stands;
+    task.blocks = &blocks_[k];
   }
 }
 

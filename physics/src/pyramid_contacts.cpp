@@ -148,6 +148,20 @@ void PyramidContacts::give(const ContactTask& task, int octet, F&& f) const {
   }
 }
 
+/// The largest of each component, of results of the used lanes. A NaN stays, as in graphsolve::keep_largest.
+void PyramidContacts::give_largest(const ContactTask& task, int octet, const Octet& out, std::span<double> by_component) const {
+  const LanePlaces& places = lane_places_[octet];
+  if (places.side_by_side && task.used == 0xffu) {
+    double* to = by_component.data() + places.component[0];
+    for (int l = 0; l < graphsolve::simd::lanes; ++l) to[l] = out.lane[l] > to[l] || out.lane[l] != out.lane[l] ? out.lane[l] : to[l];
+    return;
+  }
+  for (unsigned rest = task.used; rest != 0; rest &= rest - 1) {
+    const int lane = std::countr_zero(rest);
+    graphsolve::keep_largest(by_component[places.component[lane]], out[lane]);
+  }
+}
+
 /// Whole octets, or lane by lane.
 void PyramidContacts::point_at_poses(ContactTask& task, int octet, When when) const {
   const auto poses = [&](int bodies) { return when == When::now ? bodies_.poses_now(bodies) : bodies_.poses_next(bodies); };
@@ -228,10 +242,8 @@ void PyramidContacts::evaluate(Instances instances, std::span<const double> x, s
     point_at_rows(task.rows, octet, residual.data());
     take(task.second, task, octet, scale);
     kernels_.evaluate(task);
-    give(task, octet, [&](int i, int lane) {
-      graphsolve::keep_largest(error[instances.component[i]], task.out[lane]);
-      graphsolve::keep_largest(product[instances.component[i]], task.also_out[lane]);
-    });
+    give_largest(task, octet, task.out, error);
+    give_largest(task, octet, task.also_out, product);
   });
 }
 
@@ -258,7 +270,7 @@ void PyramidContacts::recover(Instances instances, std::span<const double> dx, s
   each_octet(instances, [&](ContactTask& task, int octet) {
     point_at_rows(task.x, octet, dx.data());
     kernels_.recover(task);
-    give(task, octet, [&](int i, int lane) { graphsolve::keep_largest(ratio[instances.component[i]], task.out[lane]); });
+    give_largest(task, octet, task.out, ratio);
   });
 }
 

@@ -118,6 +118,7 @@ class PyramidContacts final : public graphsolve::PortBatch {
   void take(Octet& to, const ContactTask& task, int octet, std::span<const double> from) const;
   template <class F>
   void give(const ContactTask& task, int octet, F&& f) const;
+  void give_largest(const ContactTask& task, int octet, const Octet& out, std::span<double> by_component) const;
   using When = Bodies::When;
   void point_at_poses(ContactTask& task, int octet, When when) const;
   template <class T>

@@ -90,6 +90,7 @@ void Stepper::build(const Assembly& assembly) {
     joints.add(on_lane(lane, assembly.joints[k]), motor_of(scene, assembly.joints[k]), joint_node(lane, k));
   });
   contacts = std::make_unique<Contacts>(bodies, side_by_side, scene, assembly);
+  bodies.turn_always = contacts->size_of_lane() > 0;
   problem->add(bodies);
   problem->add(joints);
   contacts->register_with(*problem);

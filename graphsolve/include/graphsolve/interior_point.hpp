@@ -82,7 +82,8 @@ class InteriorPoint {
  private:
   struct Lists {  ///< instances of one batch, sorted by component
     std::vector<int> component;  ///< by instance
-    std::vector<int> all;        ///< active instances
+    std::vector<int> given;      ///< active instances, as they were named
+    std::vector<int> all;        ///< the same by component
     std::vector<int> begin;      ///< by component, into all
     std::vector<int> running;    ///< those of running components
     std::uint64_t version = 0;   ///< of `running`
@@ -145,6 +146,8 @@ class InteriorPoint {
   Factorization factorization_;
   std::vector<Lists> term_lists_, port_lists_;
   std::vector<int> selected_, running_, keep_running_, refining_;
+  std::vector<int> listed_;  ///< components that the lists of running instances and rows are of
+  bool lists_changed_ = true;
   const simd::VectorKernels* kernels_;
   std::vector<RowRange> row_ranges_;    ///< rows of each component, neighbours joined
   std::vector<int> row_range_begin_;    ///< by component, into row_ranges_

@@ -51,23 +51,23 @@ void EvaluateBodies(const BodyTask& task) {
   const unsigned used = task.used;
   const BodyOctet& body = *task.body;
   const Keeper keep(used);
-  const Pack dt(task.dt), half(0.5 * task.dt);
+  const Pack dt(task.dt), half(0.5 * task.dt), half_of_one(0.5);
   Pack velocity[6];
-  gs::load_transposed(task.velocity, 6, velocity, used);
+  const double* from[8];
+  for (int l = 0; l < 8; ++l) from[l] = task.x + task.rows[l];
+  gs::load_transposed(from, 6, velocity, used);
   const Vector3 v = vector(velocity), w = vector(velocity + 3);
   const Pack s = gs::sqrt(Pack(4 / (task.dt * task.dt)) - dot(w, w));
 
   Quaternion q = load_quaternion(body.state.q) * Quaternion{half * w, half * s};
-  const Pack shrink = Pack(1.0) / gs::sqrt(dot(q.v, q.v) + q.w * q.w);  // one already, but for rounding
+  const Pack shrink = Pack(1.5) - half_of_one * (dot(q.v, q.v) + q.w * q.w);  // of 1 + rounding: 1 / sqrt
   q = {shrink * q.v, shrink * q.w};
-  const Vector3 w_over_s = (Pack(1.0) / s) * w;
   Octet* pose = task.at->pose;
   keep(load3(body.state.x) + dt * v, pose);
   keep(q.v, pose + 3);
   keep(q.w, pose[6]);
   const auto keep_matrix = [&](const Matrix3& m, Octet* to) HWY_ATTR { keep(m.c0, to), keep(m.c1, to + 3), keep(m.c2, to + 6); };
   keep_matrix(rotation_matrix(q), pose + 7);
-  keep_matrix(half * (diagonal(s) + outer(w, w_over_s) - skew(w)), pose + 16);
   keep(v, task.at->velocity);
   keep(w, task.at->velocity + 3);
 
@@ -77,16 +77,22 @@ void EvaluateBodies(const BodyTask& task) {
   keep(mass * v - load3(body.known), task.at->residual);
   keep(half * (s * jw + cross(w, jw)) - load3(body.known + 3), task.at->residual + 3);
 
+  if (!task.values && !task.turn_always) return;
+  const Vector3 w_over_s = (Pack(1.0) / s) * w;
+  keep_matrix(half * (diagonal(s) + outer(w, w_over_s) - skew(w)), pose + 16);
   if (!task.values) return;
+  gs::BlockAssignment<36> block(task.values, *task.blocks, used);
+  const Pack zero(0.0);
+  for (int c = 0; c < 3; ++c)
+    for (int r = 0; r < 6; ++r) block(6 * c + r, r == c ? mass : zero);
+  const auto angular = [&](int c, const Vector3& column) HWY_ATTR {
+    for (int r = 0; r < 3; ++r) block(6 * c + r, zero);
+    block(6 * c + 3, column.x), block(6 * c + 4, column.y), block(6 * c + 5, column.z);
+  };
   const Matrix3 turned{cross(w, inertia.c0), cross(w, inertia.c1), cross(w, inertia.c2)};
-  Pack block[36], angular[9];
-  for (Pack& entry : block) entry = Pack(0.0);
-  put(half * (s * inertia - outer(jw, w_over_s) + turned - skew(jw)), angular);
-  for (int k = 0; k < 3; ++k) {
-    block[7 * k] = mass;
-    for (int i = 0; i < 3; ++i) block[6 * (k + 3) + i + 3] = angular[3 * k + i];
-  }
-  gs::put_blocks<gs::Put::assign>(block, 36, task.values, *task.blocks, used, 1.0);
+  const Matrix3 rate = half * (s * inertia - outer(jw, w_over_s) + turned - skew(jw));
+  angular(3, rate.c0), angular(4, rate.c1), angular(5, rate.c2);
+  block.finish();
 }
 
 void Push(BodyAtOctet& at, unsigned used, const Octet* wrench) {
@@ -94,10 +100,12 @@ void Push(BodyAtOctet& at, unsigned used, const Octet* wrench) {
   for (int k = 0; k < 6; ++k) keep(load(at.residual[k]) - load(wrench[k]), at.residual[k]);
 }
 
-void HandOut(const BodyAtOctet& at, unsigned used, double* const* rows) {
-  Pack residual[6];
-  for (int k = 0; k < 6; ++k) residual[k] = load(at.residual[k]);
-  gs::add_transposed(residual, 6, rows, used, 1.0);
+void HandOut(const BodyAtOctet& at, unsigned used, const int* rows, double* residual) {
+  Pack numbers[6];
+  for (int k = 0; k < 6; ++k) numbers[k] = load(at.residual[k]);
+  double* to[8];
+  for (int l = 0; l < 8; ++l) to[l] = residual + rows[l];
+  gs::add_transposed(numbers, 6, to, used, 1.0);
 }
 
 void Commit(BodyOctet& body, unsigned used, const BodyAtOctet& at) {

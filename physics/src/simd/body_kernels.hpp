@@ -48,8 +48,10 @@ struct BodyTask {
   BodyAtOctet* at;                 ///< out
   unsigned used;
   double dt;
-  const double* velocity[8];       ///< v, w
+  const int* rows;                 ///< first row of each body
+  const double* x;                 ///< unknowns: v, w
   double* values;                  ///< of the matrix; null where none is wanted
+  bool turn_always;                ///< is the turn wanted without values too?
   const graphsolve::simd::LaneBlocks* blocks;  ///< 6 x 6
 };
 
@@ -72,7 +74,7 @@ struct BodyKernels {
   unsigned (*begin)(BodyOctet&, unsigned used, const BodyStart&);  ///< momenta; StartBeyond
   void (*evaluate)(const BodyTask&);         ///< poses, residual and its derivative: Bodies says which
   void (*push)(BodyAtOctet&, unsigned used, const Octet* wrench);  ///< residual -= wrench, 6
-  void (*hand_out)(const BodyAtOctet&, unsigned used, double* const* rows);  ///< rows += residual
+  void (*hand_out)(const BodyAtOctet&, unsigned used, const int* rows, double* residual);  ///< adds to the rows
   void (*commit)(BodyOctet&, unsigned used, const BodyAtOctet&);  ///< keeps energies; the state becomes that at the iterate
 };
 BodyKernels body_kernels();

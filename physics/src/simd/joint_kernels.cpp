@@ -25,11 +25,12 @@ struct Place {  ///< a NextPose, or a Pose, whose turn nobody needs
 };
 
 /// Part by part: a copy of the whole would be slow.
+template <bool WithOrientation>
 HWY_INLINE void load_place(const double* const* lanes, const Octet* all, bool with_turn, Place& to) {
   const auto take = [&](auto&& number) HWY_ATTR {
     const auto three = [&](int k) HWY_ATTR { return Vector3{number(k), number(k + 1), number(k + 2)}; };
     to.x = three(0);
-    to.q = {three(3), number(6)};
+    if constexpr (WithOrientation) to.q = {three(3), number(6)};
     to.rotation = {three(7), three(10), three(13)};
     if (with_turn) to.turn = {three(16), three(19), three(22)};
   };
@@ -75,8 +76,9 @@ struct Joint {
   HWY_INLINE Joint(const JointTask& task)
       : points(*task.points), frames(task.frames), child_point(load3(points.child)) {
     const bool with_turn = WithTurn && task.values;
-    load_place(task.parent, task.parents, with_turn, a);
-    load_place(task.child, task.children, with_turn, b);
+    constexpr bool with_orientation = K::rotations > 0 || !WithTurn;
+    load_place<with_orientation>(task.parent, task.parents, with_turn, a);
+    load_place<with_orientation>(task.child, task.children, with_turn, b);
     if constexpr (K::rotations > 0) {
       const Quaternion rest{load3(frames->orientation), load(frames->orientation[3])};
       e = conjugate(a.q) * b.q * conjugate(rest);
@@ -112,24 +114,26 @@ struct Joint {
   }
 
   /// Derivatives of the rows by (x, theta) of child and parent; without a turn the force directions.
-  HWY_INLINE void derivative(Pack* child, Pack* parent) const {
+  /// put(row, of the parent?, first column, three numbers)
+  template <class Put>
+  HWY_INLINE void derivative(Put&& put) const {
     for (int i = 0; i < K::translations; ++i) {
-      if constexpr (K::slides) along_axis(load3(frames->side[i]), child + 6 * i, parent + 6 * i);
-      else along_world(i, child + 6 * i, parent + 6 * i);
+      if constexpr (K::slides) along_axis(load3(frames->side[i]), i, put);
+      else along_world(i, put);
     }
     const Vector3 zero{Pack(0.0), Pack(0.0), Pack(0.0)};
     const auto rotation_row = [&](const Vector3& on_child, const Vector3& on_parent, int r) HWY_ATTR {
-      put(zero, child + 6 * r);
-      put(zero, parent + 6 * r);
-      put(turned(b, transposed_times(offset, on_child)), child + 6 * r + 3);
-      put(turned(a, -on_parent), parent + 6 * r + 3);
+      put(r, false, 0, zero);
+      put(r, true, 0, zero);
+      put(r, false, 3, turned(b, transposed_times(offset, on_child)));
+      put(r, true, 3, turned(a, -on_parent));
     };
     // d(2 vec e) = (w I + [v]x) R_off theta_b = -(w I - [v]x) theta_a
     for (int i = 0; i < K::rotations; ++i) {
       const Vector3 r = locked_rotation(i), even = e.w * r, odd = cross(r, e.v);
       rotation_row(even + odd, even - odd, K::translations + i);
     }
-    if constexpr (K::motor && K::slides) along_axis(load3(frames->axis), child + 30, parent + 30);
+    if constexpr (K::motor && K::slides) along_axis(load3(frames->axis), 5, put);
     if constexpr (K::motor && K::hinge) {
       // Of 2 atan2(axis . v, w), exact off the hinge's manifold too.
       const Vector3 axis = load3(frames->axis);
@@ -145,19 +149,21 @@ struct Joint {
     else return angular;
   }
   /// Row of x_b + R_b p_b - x_a - R_a p_a in world axis i.
-  HWY_INLINE void along_world(int i, Pack* child, Pack* parent) const {
-    put(unit(i), child);
-    put(-unit(i), parent);
-    put(turned(b, cross(child_point, row(b.rotation, i))), child + 3);
-    put(turned(a, cross(row(a.rotation, i), load3(points.parent))), parent + 3);
+  template <class Put>
+  HWY_INLINE void along_world(int i, Put&& put) const {
+    put(i, false, 0, unit(i));
+    put(i, true, 0, -unit(i));
+    put(i, false, 3, turned(b, cross(child_point, row(b.rotation, i))));
+    put(i, true, 3, turned(a, cross(row(a.rotation, i), load3(points.parent))));
   }
   /// Row of f . R_a^T (x_b + R_b p_b - x_a), f fixed in the parent.
-  HWY_INLINE void along_axis(const Vector3& f, Pack* child, Pack* parent) const {
+  template <class Put>
+  HWY_INLINE void along_axis(const Vector3& f, int i, Put&& put) const {
     const Vector3 world = a.rotation * f;
-    put(world, child);
-    put(-world, parent);
-    put(turned(b, cross(child_point, transposed_times(b.rotation, world))), child + 3);
-    put(turned(a, cross(f, arm())), parent + 3);
+    put(i, false, 0, world);
+    put(i, true, 0, -world);
+    put(i, false, 3, turned(b, cross(child_point, transposed_times(b.rotation, world))));
+    put(i, true, 3, turned(a, cross(f, arm())));
   }
 };
 
@@ -165,15 +171,12 @@ struct Joint {
 template <JointRows Rows>
 HWY_INLINE void aim(const JointTask& task) {
   using K = Kind<Rows>;
-  Pack child[6 * K::rows], parent[6 * K::rows];
   const Joint<Rows, false> joint(task);
-  joint.derivative(child, parent);
   const Keeper keep(task.used);
-  for (int i = 0; i < 6 * K::rows; ++i) {
-    if (K::in_world_axes && i < 18 && i % 6 < 3) continue;
-    keep(child[i], task.child_force[i]);
-    keep(parent[i], task.parent_force[i]);
-  }
+  joint.derivative([&](int r, bool of_parent, int first, const Vector3& numbers) HWY_ATTR {
+    if (K::in_world_axes && r < 3 && first == 0) return;
+    keep(numbers, (of_parent ? task.parent_force : task.child_force) + 6 * r + first);
+  });
   const Mask on_parent = lanes_of(task.children_are_world);
   const auto recorded = [&](const Pack& of_parent, const Pack& of_child) HWY_ATTR { return gs::select(on_parent, of_parent, of_child); };
   const Place &a = joint.a, &b = joint.b;
@@ -200,26 +203,38 @@ HWY_INLINE void push(const Octet* force, const Pack* impulses, double sign, Octe
   }
 }
 
-/// Blocks (joint, body) = derivative and (body, joint) = -force^T: these are of this joint alone.
+/// Block (body, joint) = -force^T: this is of this joint alone. sign: of the force along a world axis.
 template <class K>
-HWY_INLINE void write(const JointTask& task, const Pack* derivative, const Octet* force, double sign, const LaneBlocks& down,
-                      const LaneBlocks& across) {
-  constexpr int rows = K::rows;
-  Pack block[6 * rows];
-  for (int c = 0; c < 6; ++c)
-    for (int r = 0; r < rows; ++r) block[c * rows + r] = derivative[6 * r + c];
-  gs::put_blocks<gs::Put::assign>(block, 6 * rows, task.values, down, task.used, 1.0);
-  for (int r = 0; r < rows; ++r)
+HWY_INLINE void write_force(const JointTask& task, const Octet* force, double sign, const LaneBlocks& to) {
+  gs::BlockAssignment<6 * K::rows> block(task.values, to, task.used);
+  for (int r = 0; r < K::rows; ++r)
     for (int c = 0; c < 6; ++c)
-      block[6 * r + c] = K::in_world_axes && c < 3 ? Pack(r == c ? sign : 0.0) : load(force[6 * r + c]);
-  gs::put_blocks<gs::Put::assign>(block, 6 * rows, task.values, across, task.used, -1.0);
+      block(6 * r + c, K::in_world_axes && c < 3 ? Pack(r == c ? -sign : 0.0) : -load(force[6 * r + c]));
+  block.finish();
+}
+
+/// Blocks (joint, body) = derivative, likewise. limited: where the last row, of a motor, vanishes.
+template <JointRows Rows>
+HWY_INLINE void write_derivative(const JointTask& task, const Joint<Rows, true>& joint, const Mask& limited) {
+  using K = Kind<Rows>;
+  gs::BlockAssignment<6 * K::rows> child(task.values, task.blocks->to_child, task.used);
+  gs::BlockAssignment<6 * K::rows> parent(task.values, task.blocks->to_parent, task.used);
+  joint.derivative([&](int r, bool of_parent, int first, const Vector3& numbers) HWY_ATTR {
+    auto& block = of_parent ? parent : child;
+    const auto write = [&](int c, const Pack& number) HWY_ATTR {
+      if constexpr (K::motor) block(c * K::rows + r, r == 5 ? gs::select(limited, Pack(0.0), number) : number);
+      else block(c * K::rows + r, number);
+    };
+    write(first, numbers.x), write(first + 1, numbers.y), write(first + 2, numbers.z);
+  });
+  child.finish();
+  parent.finish();
 }
 
 /// (lambda - impulse_time * effort) * diagonal, an angle or a distance. Where the effort is at its limit it no longer
-/// answers to the velocity: the last row of the derivatives vanishes.
+/// answers to the velocity.
 template <JointRows Rows>
-HWY_INLINE Pack motor(const JointTask& task, const Joint<Rows, true>& joint, const Pack& lambda, Pack* child, Pack* parent,
-                      Pack& diagonal) {
+HWY_INLINE Pack motor(const JointTask& task, const Joint<Rows, true>& joint, const Pack& lambda, Mask& limited, Pack& diagonal) {
   MotorOctet& m = *task.motor;
   const Pack before = load(m.coordinate), limit = load(m.limit), dt(task.dt);
   Pack change = joint.coordinate() - before;
@@ -229,14 +244,11 @@ HWY_INLINE Pack motor(const JointTask& task, const Joint<Rows, true>& joint, con
   }
   const Pack next = before + change, stiffness = load(m.stiffness), damping = load(m.damping);
   const Pack wanted = stiffness * (load(m.target) - next) - damping * change / dt;
-  const Mask limited = !(gs::abs(wanted) < limit), used = lanes_of(task.used);
+  const Mask used = lanes_of(task.used);
+  limited = !(gs::abs(wanted) < limit);
   const Pack effort = gs::select(limited, gs::select(wanted < Pack(0.0), -limit, limit), wanted), time = load(m.impulse_time);
   store(gs::select(used, next, load(m.next_coordinate)), m.next_coordinate);
   store(gs::select(used, gs::select(limited, Pack(1.0), Pack(0.0)), load(m.limited)), m.limited);
-  for (int k = 0; child && k < 6; ++k) {
-    child[30 + k] = gs::select(limited, Pack(0.0), child[30 + k]);
-    parent[30 + k] = gs::select(limited, Pack(0.0), parent[30 + k]);
-  }
   diagonal = Pack(1.0) / (time * (stiffness * dt + damping));
   return (lambda - time * effort) * diagonal;
 }
@@ -246,29 +258,32 @@ HWY_INLINE void evaluate(const JointTask& task) {
   using K = Kind<Rows>;
   const unsigned used = task.used;
   const Joint<Rows, true> joint(task);
-  Pack g[K::rows], impulses[K::rows], child[6 * K::rows], parent[6 * K::rows];
+  Pack g[K::rows], impulses[K::rows];
+  Mask limited;
   joint.violation(g);
   const Pack rate(1 / task.dt);
   for (int i = 0; i < K::constraints; ++i) g[i] *= rate;
-  gs::load_transposed(task.impulses, K::rows, impulses, used);
-  if (task.values) joint.derivative(child, parent);
+  const double* from[8];
+  double* residual[8];
+  for (int l = 0; l < 8; ++l) from[l] = task.x + task.rows[l], residual[l] = task.residual + task.rows[l];
+  gs::load_transposed(from, K::rows, impulses, used);
   if constexpr (K::motor) {
     Pack diagonal;
-    g[5] = task.values ? motor(task, joint, impulses[5], child, parent, diagonal)
-                       : motor(task, joint, impulses[5], nullptr, nullptr, diagonal);
+    g[5] = motor(task, joint, impulses[5], limited, diagonal);
     if (task.values)
       gs::put_entries(&diagonal, 1, [](int) HWY_ATTR { return 35; }, task.values, task.blocks->own, used, 1.0);
   }
-  gs::add_transposed(g, K::rows, task.residual, used, 1.0);
+  gs::add_transposed(g, K::rows, residual, used, 1.0);
   push<K>(task.child_force, impulses, 1.0, task.wrenches->child);
   push<K>(task.parent_force, impulses, -1.0, task.wrenches->parent);
   if (!task.values) return;
-  write<K>(task, child, task.child_force, 1.0, task.blocks->to_child, task.blocks->from_child);
-  write<K>(task, parent, task.parent_force, -1.0, task.blocks->to_parent, task.blocks->from_parent);
+  write_derivative(task, joint, limited);
+  write_force<K>(task, task.child_force, 1.0, task.blocks->from_child);
+  write_force<K>(task, task.parent_force, -1.0, task.blocks->from_parent);
 }
 
 #define PHYSICS_BY_JOINT_ROWS(function, task)                                             \
-  switch (task.rows) {                                                                    \
+  switch (task.kind) {                                                                    \
     case JointRows::spherical: return function<JointRows::spherical>(task);               \
     case JointRows::revolute: return function<JointRows::revolute>(task);                 \
     case JointRows::revolute_motor: return function<JointRows::revolute_motor>(task);     \

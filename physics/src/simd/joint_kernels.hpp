@@ -59,19 +59,20 @@ struct JointWrenches {
 
 /// Eight joints or fewer: bit per lane in `used`; the other lanes point where a used one does and write nothing.
 struct JointTask {
-  JointRows rows;
+  JointRows kind;
   const JointPoints* points;
   const JointFrames* frames;           ///< null for spherical joints
   MotorOctet* motor;                   ///< of rows with a motor, else null
   Octet *child_force, *parent_force;   ///< directions of forces by row, 6 numbers each: entry 6 row + column
-  unsigned used;
-  double dt;
+  unsigned used = 0;
+  double dt = 0;
   const double *parent[8], *child[8];  ///< numbers of a NextPose, each in an octet; a Pose will do to aim, and without values
   const Octet *parents = nullptr, *children = nullptr;  ///< all of them instead, where they lie in the same lanes
   unsigned children_are_world = 0;     ///< lanes where the child is
   Octet* stands = nullptr;             ///< out, of aim
-  const double* impulses[8];           ///< one per row
-  double* residual[8];                 ///< of the joint's own rows
+  int rows[8];                         ///< first row of each joint
+  const double* x;                     ///< unknowns: impulses, one per row
+  double* residual;
   JointWrenches* wrenches;             ///< out, but for where bodies stand
   double* values;                      ///< of the matrix; null where none is wanted
   const JointBlocks* blocks;

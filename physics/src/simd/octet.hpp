@@ -46,9 +46,16 @@ class OctetGroups {
   /// on it. place(item): where it lies. A list of the same version as the last (but 0) is not looked at again.
   template <class Place, class F>
   void each(std::span<const int> items, std::uint64_t version, Place&& place, F&& f) {
-    if (version == 0 || version != version_) sort(items, place);
-    version_ = version;
+    (void)take(items, version, place);
     each_again(f);
+  }
+  /// Takes up a list. True when it may be another one than the last.
+  template <class Place>
+  bool take(std::span<const int> items, std::uint64_t version, Place&& place) {
+    if (version != 0 && version == version_) return false;
+    sort(items, place);
+    version_ = version;
+    return true;
   }
   /// Those of the last call.
   template <class F>

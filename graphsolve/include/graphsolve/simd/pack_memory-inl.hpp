@@ -285,6 +285,31 @@ HWY_NOINLINE void put_blocks(const Pack* from, int count, double* values, const 
   put_entries<Way>(from, count, [](int i) HWY_ATTR { return i; }, values, to, active, sign);
 }
 
+/// Assigns `Count` entries of the lanes' blocks, which were claimed, one by one: in place where all eight lie side by side,
+/// else by way of a copy.
+template <int Count>
+class BlockAssignment {
+ public:
+  HWY_INLINE BlockAssignment(double* values, const LaneBlocks& to, unsigned active)
+      : values_(values), to_(to), active_(active), in_place_(to.together() == lanes && (to.present() & active) == 0xffu),
+        at_(in_place_ ? values + to.place(0) : reinterpret_cast<double*>(copy_)) {}
+  BlockAssignment(const BlockAssignment&) = delete;
+  BlockAssignment& operator=(const BlockAssignment&) = delete;
+  HWY_INLINE void operator()(int entry, const Pack& a) { store(a, at_ + entry * lanes); }
+  /// Once every entry was assigned.
+  HWY_INLINE void finish() {
+    if (!in_place_) put_blocks<Put::assign>(copy_, Count, values_, to_, active_, 1.0);
+  }
+
+ private:
+  double* values_;
+  const LaneBlocks& to_;
+  unsigned active_;
+  bool in_place_;
+  double* at_;
+  Pack copy_[Count];
+};
+
 }  // namespace graphsolve::simd::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
