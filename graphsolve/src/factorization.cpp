@@ -22,10 +22,9 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
   const Symbolic& s = *symbolic_;
   values_.assign(s.values_size(), 0.0);
   row_exchange_.assign(s.rows(), 0);
-  reference_.assign(s.rows(), 0.0);
+  reference_.assign(s.packs() == Packs::on ? s.program().lane_rows() : s.rows(), 0.0);
   rank_.resize(s.pivots());
   if (symmetric()) halved_.assign(s.pivots(), Halved::no);
-  referenced_.reserve(std::ranges::count_if(std::views::iota(0, s.pivots()), [&](int k) { return starts_with_reference(k); }));
   first_row_.assign(s.pivots(), 0);
   equal_.assign(s.pivots(), 0);
   group_.assign(s.pivots(), 1);
@@ -35,7 +34,6 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
   for (int k = 0, row = 0; k < s.pivots(); ++k) {
     first_row_[k] = row;
     rank_[k] = s.dimension(k);
-    if (starts_with_reference(k)) referenced_.push_back(k);
     if (s.may_depend(k)) uncertain_rows += s.dimension(k);
     equal_[k] = static_cast<char>(equal_couplings(s, k));
     among_single_[k] = s.program().place(k) < 0 &&
@@ -54,6 +52,7 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
     row += s.dimension(k);
     largest = std::max(largest, s.dimension(k));
   }
+  find_referenced();
   dropped_.reserve(uncertain_rows);
   if (uncertain_rows > 0) panel_reference_.assign(s.rows(), 0.0);
   if (uncertain_rows > 0 || symmetric()) column_exchange_.assign(s.rows(), 0);
@@ -269,7 +268,7 @@ bool Factorization::factorize_one(int k, const PivotBlocks& blocks, Outcome& out
   if (p.saddle && saddle_shift_ != 0 && kind_ != FactorizationKind::cholesky) shift_pivot(k, blocks.diagonal);
   if (symmetric() && !starts_with_reference(k)) start_reference(k);
   if (tracks_reference(k))
-    for (int i = p.row; i < p.row + p.dimension; ++i) reference_[i] = std::abs(reference_[i]);
+    for (int i = 0; i < p.dimension; ++i) reference(k, i) = std::abs(reference(k, i));
   rank_[k] = p.dimension;
   const bool regular = symmetric() ? factorize_pivot_symmetric(k, blocks, outcome) : factorize_pivot_any(k, blocks, outcome);
   if (!regular) outcome.first_bad_pivot = k;
@@ -282,7 +281,8 @@ bool Factorization::factorize_pivot_any(int k, const PivotBlocks& blocks, Outcom
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const int d = p.dimension, row = first_row_[k];
   double* diagonal = blocks.diagonal;
-  const double* reference = reference_.data() + p.row;
+  double buffer[simd::largest_dimension];
+  const double* reference = references(k, buffer);
   const bool look_for_dependence = p.may_depend && saddle_shift_ == 0;  // a shifted block is regular
   if (look_for_dependence) std::copy_n(diagonal, d * d, work_.data());
   const double smallest = kernels_->factor(d)(diagonal, row_exchange_.data() + row, d);

@@ -51,7 +51,7 @@ void Factorization::update_after(int begin, int size, const double* l, const dou
     }
     row(v, target, l, spread_w, depth, 0, i);
     if (i + 1 < end) row(v, target, l, spread_w, depth, i + 1, end);
-    kernels_->watched_blocks[d - 1](v + target[i], reference_.data() + s.row(coupled[i]), l, spread_w, depth, d, i);
+    kernels_->watched_blocks[d - 1](v + target[i], &reference(coupled[i], 0), l, spread_w, depth, d, i);
   }
 }
 

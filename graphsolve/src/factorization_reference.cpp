@@ -19,18 +19,51 @@ bool Factorization::starts_with_reference(int k) const {
   return tracks_reference(k) || (symmetric() && !p.leaf && (!p.saddle || kind_ == FactorizationKind::cholesky));
 }
 
+void Factorization::find_referenced() {
+  const auto steps = symbolic_->program().steps();
+  const auto starts = [&](const simd::Program::Step& step) {
+    return starts_with_reference(step.pack < 0 ? step.pivot : symbolic_->program().pack(step.pack).pivot[0]);
+  };
+  referenced_.reserve(std::ranges::count_if(steps, starts));
+  for (std::size_t i = 0; i < steps.size(); ++i)
+    if (starts(steps[i])) referenced_.push_back(static_cast<int>(i));
+}
+
+double& Factorization::reference(int k, int row) {
+  const simd::RowPlace at = symbolic_->program().row_place(k);
+  return reference_[at.first + row * at.stride];
+}
+
+/// Side by side: in place, or a copy.
+const double* Factorization::references(int k, double* buffer) const {
+  const simd::RowPlace at = symbolic_->program().row_place(k);
+  if (at.stride == 1) return reference_.data() + at.first;
+  for (int i = 0; i < symbolic_->dimension(k); ++i) buffer[i] = reference_[at.first + i * at.stride];
+  return buffer;
+}
+
 void Factorization::start_reference(int k) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
-  double* reference = reference_.data() + p.row;
+  const bool tracked = tracks_reference(k), compared = symmetric() && (!p.saddle || kind_ == FactorizationKind::cholesky);
   const double* diagonal = values_.data() + p.diagonal;
-  const int d = p.dimension, next = p.stride * (d + 1);
-  if (tracks_reference(k)) {
-    for (int i = 0; i < d; ++i) reference[i] = diagonal[i * next];
-    if (p.may_depend) start_panel_reference(k);
-  } else if (symmetric() && (!p.saddle || kind_ == FactorizationKind::cholesky))
-    for (int i = 0; i < d; ++i) reference[i] = std::abs(diagonal[i * next]);
-  else
-    std::fill_n(reference, d, 0.0);
+  for (int i = 0; i < p.dimension; ++i, diagonal += p.stride * (p.dimension + 1))
+    reference(k, i) = tracked ? *diagonal : compared ? std::abs(*diagonal) : 0.0;
+  if (tracked && p.may_depend) start_panel_reference(k);
+}
+
+/// The same of pivots in lanes.
+void Factorization::start_references(const simd::PivotPack& pack, unsigned active) {
+  const Symbolic::Pivot& p = symbolic_->pivot(pack.pivot[0]);
+  if (active != pack.used || p.may_depend) {
+    for (int l = 0; l < pack.lanes; ++l)
+      if (active >> l & 1u) start_reference(pack.pivot[l]);
+    return;
+  }
+  const bool tracked = tracks_reference(pack.pivot[0]);
+  const double* diagonal = values_.data() + pack.place;
+  double* reference = reference_.data() + pack.lane_rows;
+  for (int i = 0; i < p.dimension; ++i, reference += pack.lanes, diagonal += pack.lanes * (p.dimension + 1))
+    for (int l = 0; l < pack.lanes; ++l) reference[l] = tracked ? diagonal[l] : std::abs(diagonal[l]);
 }
 
 /// Largest entry of each row right of the diagonal block.
@@ -62,21 +95,29 @@ void Factorization::prepare() {
   if (keep_matrix_) keep();
   // With a shift all saddle blocks of a symmetric matrix have one.
   if (symmetric() && saddle_shift_ != 0) return each_active_pivot([&](int k) { start_reference(k); });
-  for (const int c : active_) {
-    const auto begin = std::ranges::lower_bound(referenced_, symbolic_->component_begin(c));
-    const int end = symbolic_->component_begin(c + 1);
-    for (auto k = begin; k != referenced_.end() && *k < end; ++k) start_reference(*k);
+  const simd::Program& program = symbolic_->program();
+  const auto groups = program.groups();
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    if (lanes_[g] == 0) continue;
+    for (auto i = std::ranges::lower_bound(referenced_, groups[g].first_step); i != referenced_.end() && *i < groups[g].end_step; ++i) {
+      const auto& step = program.steps()[*i];
+      if (step.pack >= 0) {
+        const unsigned used = program.pack(step.pack).used;
+        start_references(program.pack(step.pack), groups[g].copies > 1 ? used & lanes_[g] : used);
+      } else if (takes_part(step.pivot)) {
+        start_reference(step.pivot);
+      }
+    }
   }
 }
 
 void Factorization::shift_pivot(int k, double* diagonal) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
-  const double* reference = reference_.data() + p.row;
   const bool tracked = tracks_reference(k);
   for (int i = 0; i < p.dimension; ++i) {
     double& entry = diagonal[i * (p.dimension + 1)];
     // Where nothing may depend, all that was added has one sign, and the diagonal is its sum.
-    entry += saddle_shift_ * (tracked ? reference[i] : entry);
+    entry += saddle_shift_ * (tracked ? reference(k, i) : entry);
   }
 }
 

@@ -125,7 +125,8 @@ bool Factorization::factorize_pivot_symmetric(int k, const PivotBlocks& blocks, 
   const bool may_be_spoilt = kernels::Table::kind(d) == 0;
   if (may_be_spoilt) std::copy_n(diagonal, d * d, work_.data());
   outcome.operations += ldlt_operations(d);
-  const bool halved = kernels_->factor_definite(d)(diagonal, reference_.data() + p.row, sign, smallest, d);
+  double buffer[simd::largest_dimension];
+  const bool halved = kernels_->factor_definite(d)(diagonal, references(k, buffer), sign, smallest, d);
   halved_[k] = halved ? Halved::yes : Halved::no;
   if (halved) {
     (sign < 0 ? outcome.inertia.negative : outcome.inertia.positive) += d;
@@ -144,7 +145,7 @@ bool Factorization::factorize_pivot_indefinite(int k, const PivotBlocks& blocks,
   for (int j = 0; j < d; ++j)
     for (int i = j + 1; i < d; ++i) diagonal[i * d + j] = diagonal[j * d + i];
   for (int i = 0; i < d; ++i) {
-    size[i] = reference_[p.row + i];
+    size[i] = reference(k, i);
     for (int j = 0; j < d; ++j) {
       if (!std::isfinite(diagonal[j * d + i])) return false;
       size[i] = std::max(size[i], std::abs(diagonal[j * d + i]));
@@ -182,7 +183,7 @@ bool Factorization::boost(int k, const PivotBlocks& blocks, double* block) {
   const double* upper = blocks.upper;
   for (int m = rank_[k]; m < d; ++m) {
     const int i = original_row(k, m);
-    double own = reference_[p.row + i];
+    double own = reference(k, i);
     for (int j = 0; j < d; ++j) own = std::max(own, std::abs(block[j * d + i]));
     if (!(own > 0))
       for (int c = 0; c < p.coupled_rows; ++c) own = std::max(own, std::abs(upper[c * d + i]));

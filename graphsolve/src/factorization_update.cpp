@@ -45,10 +45,10 @@ void Factorization::remember_diagonal(const double* block, int d, int stride) {
 
 /// What was added to the diagonal of pivot k since remember_diagonal.
 void Factorization::note_added(int k, const double* block, int d, int stride) {
-  double* reference = reference_.data() + symbolic_->row(k);
   for (int q = 0; q < d; ++q) {
+    double& largest = reference(k, q);
     const double added = block[q * (d + 1) * stride] - work_[q];
-    reference[q] = std::abs(added) > std::abs(reference[q]) ? added : reference[q];  // no branch: unpredictable
+    largest = std::abs(added) > std::abs(largest) ? added : largest;  // no branch: unpredictable
   }
 }
 
@@ -81,7 +81,7 @@ void Factorization::update(int k, const PivotBlocks& blocks, int from, Outcome& 
       const int end = before + (symmetric() ? 1 : 0);
       row(v, target, lower, spread_.data(), d, 0, watch ? i - from : end);
       if (watch) {
-        kernels_->watched_blocks[size - 1](own, reference_.data() + s.row(coupled[i]), lower, spread_.data(), d, d, i - from);
+        kernels_->watched_blocks[size - 1](own, &reference(coupled[i], 0), lower, spread_.data(), d, d, i - from);
         row(v, target, lower, spread_.data(), d, i - from + 1, end);
       }
     } else {

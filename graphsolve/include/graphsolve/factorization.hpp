@@ -177,8 +177,12 @@ class Factorization {
   // Before the elimination.
   void make_room_for_packs();
   void keep();
+  void find_referenced();
   void prepare();
   void start_reference(int k);
+  void start_references(const simd::PivotPack& pack, unsigned active);
+  [[nodiscard]] double& reference(int k, int row);
+  [[nodiscard]] const double* references(int k, double* buffer) const;
   void start_panel_reference(int k);
   // One pivot by itself.
   struct PivotBlocks {
@@ -278,8 +282,8 @@ class Factorization {
   enum class Halved : char { no, yes, and_spread };
   std::vector<Halved> halved_;        ///< per pivot of a symmetric kind that went by itself
   std::vector<int> first_row_;        ///< per pivot: first row in pivot order
-  std::vector<int> referenced_;       ///< pivots that start_with_reference, ascending
-  std::vector<double> reference_;     ///< per row of the user: largest amount, signed, added to a saddle diagonal;
+  std::vector<int> referenced_;       ///< steps of the program whose pivots start_with_reference, ascending
+  AlignedVector reference_;           ///< per row, in lanes: largest amount, signed, added to a saddle diagonal;
                                       ///< in the symmetric kinds |diagonal of the matrix| for other nodes
   std::vector<double> panel_reference_;  ///< where dependence is looked for, or empty: largest entry of the row right of the
                                          ///< block

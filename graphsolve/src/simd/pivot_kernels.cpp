@@ -44,34 +44,33 @@ class Workplace {
 /// reference[p]: what row p is compared with, signed.
 template <int L>
 HWY_INLINE void load_references(const PackJob& job, int d, PackOf<L>* reference) {
-  const double* from[L];
-  const int* row = job.program.rows(job.pack);
-  for (int l = 0; l < L; ++l) from[l] = job.numbers.reference + row[l];
-  load_transposed(from, d, reference, job.pack.used);
+  const double* from = job.numbers.reference + job.pack.lane_rows;
+  for (int p = 0; p < d; ++p) reference[p] = load<L>(from + p * L);
 }
 
 /// Coupling i loses this on its diagonal: remembers the largest amount per row; where pivots share couplings, lane after
 /// lane.
 template <int L>
 void remember(const PackJob& job, int i, const PackOf<L>* diagonal, int rows) {
-  double* place[L];
-  const int* row = job.program.rows(job.pack) + (i + 1) * L;
-  for (int l = 0; l < L; ++l) place[l] = job.numbers.reference + row[l];
-  if (!job.pack.shares || L == 1) {
-    PackOf<L> largest[largest_dimension];
-    load_transposed(place, rows, largest, job.pack.used);
-    for (int q = 0; q < rows; ++q)
-      largest[q] = select(abs(diagonal[q]) > abs(largest[q]), -diagonal[q], largest[q]);
-    store_transposed(largest, rows, place, job.active);
+  const Target& target = job.program.row_targets(job.pack)[i];
+  if (target.place >= 0) {
+    const MaskOf<L> mask = lanes_of<L>(job.active);
+    for (int q = 0; q < rows; ++q) {
+      double* at = job.numbers.reference + target.place + q * target.stride;
+      const PackOf<L> before = load<L>(at);
+      store(select(mask, select(abs(diagonal[q]) > abs(before), -diagonal[q], before), before), at);
+    }
     return;
   }
   HWY_ALIGN double lost[L * largest_dimension];
   for (int q = 0; q < rows; ++q) store(diagonal[q], lost + q * L);
   for (int l = 0; l < L; ++l) {
     if (!(job.active >> l & 1u)) continue;
-    for (int q = 0; q < rows; ++q) {
+    const Target& lane = job.program.scattered()[~target.place + l];
+    double* at = job.numbers.reference + lane.place;
+    for (int q = 0; q < rows; ++q, at += lane.stride) {
       const double added = -lost[q * L + l];
-      place[l][q] = std::abs(added) > std::abs(place[l][q]) ? added : place[l][q];  // no branch: unpredictable
+      *at = std::abs(added) > std::abs(*at) ? added : *at;  // no branch: unpredictable
     }
   }
 }

@@ -18,7 +18,7 @@ struct Definite {
 struct PackNumbers {
   double* values;        ///< of the matrix, and then of the factor
   double* scratch;       ///< Program::scratch_size()
-  double* reference;  ///< per row: amounts that pivots are compared with (Factorization)
+  double* reference;     ///< in lanes: amounts that pivots are compared with (Factorization)
   double saddle_shift;
 };
 
