@@ -12,9 +12,10 @@ void Joints::wire(const graphsolve::Wiring& wiring) {
   if (joints_.empty()) return;
   std::vector<Placed> placed;
   for (Joint& joint : joints_) {
-    const auto own = joint.nodes[0];
-    placed.push_back({static_cast<int>(joint.kind), wiring.block(own, own)});
-    joint.row = wiring.row(own);
+    // In the lane of the child, whose block with the joint mostly lies in the child's panel: read, pushed and written whole.
+    const int leads = joint.geometry.child >= 0 ? joint.geometry.child : joint.geometry.parent;
+    placed.push_back({static_cast<int>(joint.kind), wiring.block(bodies_.node(leads), bodies_.node(leads))});
+    joint.row = wiring.row(joint.nodes[0]);
     if (joint.geometry.parent >= 0) joint.parent_row = wiring.row(bodies_.node(joint.geometry.parent));
     if (joint.geometry.child >= 0) joint.child_row = wiring.row(bodies_.node(joint.geometry.child));
   }

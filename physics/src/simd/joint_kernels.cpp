@@ -18,24 +18,20 @@ namespace {
 
 using graphsolve::simd::LaneBlocks;
 
-struct Place {  ///< a NextPose, or a Pose, whose turn nobody needs
-  Vector3 x;
-  Quaternion q;
-  Matrix3 rotation, turn;
+/// Eight poses: the numbers of a NextPose, or of a Pose, whose turn nobody needs. Read where they are used: a copy in registers
+/// would be one on the stack.
+struct Place {
+  const Octet* number;
+  HWY_INLINE Vector3 x() const { return load3(number); }
+  HWY_INLINE Quaternion q() const { return {load3(number + 3), load(number[6])}; }
+  HWY_INLINE Matrix3 rotation() const { return load33(number + 7); }
+  HWY_INLINE Vector3 rotation_row(int i) const { return {load(number[7 + i]), load(number[10 + i]), load(number[13 + i])}; }
+  HWY_INLINE Matrix3 turn() const { return load33(number + 16); }
 };
 
-/// Part by part: a copy of the whole would be slow.
-template <bool WithOrientation>
-HWY_INLINE void load_place(const double* const* lanes, const Octet* all, bool with_turn, Place& to) {
-  const auto take = [&](auto&& number) HWY_ATTR {
-    const auto three = [&](int k) HWY_ATTR { return Vector3{number(k), number(k + 1), number(k + 2)}; };
-    to.x = three(0);
-    if constexpr (WithOrientation) to.q = {three(3), number(6)};
-    to.rotation = {three(7), three(10), three(13)};
-    if (with_turn) to.turn = {three(16), three(19), three(22)};
-  };
-  if (all) take([&](int k) HWY_ATTR { return load(all[k]); });
-  else take([&](int k) HWY_ATTR { return gs::each_lane<8>([&](int l) HWY_ATTR { return lanes[l][8 * k]; }); });
+HWY_NOINLINE const Octet* gather(const double* const* lanes, int count, Pack* to) {
+  for (int k = 0; k < count; ++k) to[k] = gs::each_lane<8>([&](int l) HWY_ATTR { return lanes[l][8 * k]; });
+  return reinterpret_cast<const Octet*>(to);
 }
 
 template <JointRows Rows>
@@ -47,9 +43,6 @@ struct Kind {
 };
 
 HWY_INLINE Vector3 unit(int i) { return {Pack(i == 0 ? 1.0 : 0.0), Pack(i == 1 ? 1.0 : 0.0), Pack(i == 2 ? 1.0 : 0.0)}; }
-HWY_INLINE Vector3 row(const Matrix3& m, int i) {
-  return i == 0 ? Vector3{m.c0.x, m.c1.x, m.c2.x} : i == 1 ? Vector3{m.c0.y, m.c1.y, m.c2.y} : Vector3{m.c0.z, m.c1.z, m.c2.z};
-}
 
 HWY_INLINE Pack atan(const Pack& a) {
   Pack r;
@@ -68,6 +61,7 @@ struct Joint {
   using K = Kind<Rows>;
   const JointPoints& points;
   const JointFrames* frames;
+  Pack room[2][25];        ///< of poses that do not lie in the lanes of their joints
   Place a, b;              ///< parent, child
   Vector3 child_point;
   Quaternion e;            ///< q_a^-1 q_b q_off^-1, on the half that holds the identity
@@ -75,25 +69,26 @@ struct Joint {
 
   HWY_INLINE Joint(const JointTask& task)
       : points(*task.points), frames(task.frames), child_point(load3(points.child)) {
-    const bool with_turn = WithTurn && task.values;
-    constexpr bool with_orientation = K::rotations > 0 || !WithTurn;
-    load_place<with_orientation>(task.parent, task.parents, with_turn, a);
-    load_place<with_orientation>(task.child, task.children, with_turn, b);
+    const int numbers = WithTurn && task.values ? 25 : 16;
+    a.number = task.parents ? task.parents : gather(task.parent, numbers, room[0]);
+    b.number = task.children ? task.children : gather(task.child, numbers, room[1]);
     if constexpr (K::rotations > 0) {
       const Quaternion rest{load3(frames->orientation), load(frames->orientation[3])};
-      e = conjugate(a.q) * b.q * conjugate(rest);
+      e = conjugate(a.q()) * b.q() * conjugate(rest);
       const Pack sign = gs::select(e.w < Pack(0.0), Pack(-1.0), Pack(1.0));
       e = {sign * e.v, sign * e.w};
       offset = load33(frames->orientation_matrix);
     }
   }
+  Joint(const Joint&) = delete;
+  Joint& operator=(const Joint&) = delete;
 
   HWY_INLINE Vector3 locked_rotation(int i) const {
     if constexpr (K::hinge) return load3(frames->side[i]);
     else return unit(i);
   }
   /// From the parent's centre to the child's joint point, parent frame.
-  HWY_INLINE Vector3 arm() const { return transposed_times(a.rotation, b.x + b.rotation * child_point - a.x); }
+  HWY_INLINE Vector3 arm() const { return transposed_times(a.rotation(), b.x() + b.rotation() * child_point - a.x()); }
 
   /// Of the motor: along the slide, or about the hinge.
   HWY_INLINE Pack coordinate() const {
@@ -108,7 +103,7 @@ struct Joint {
       const Vector3 d = arm() - parent_point;
       for (int i = 0; i < 2; ++i) g[i] = dot(load3(frames->side[i]), d);
     } else {
-      put(b.x + b.rotation * child_point - a.x - a.rotation * parent_point, g);
+      put(b.x() + b.rotation() * child_point - a.x() - a.rotation() * parent_point, g);
     }
     for (int i = 0; i < K::rotations; ++i) g[K::translations + i] = Pack(2.0) * dot(locked_rotation(i), e.v);
   }
@@ -145,7 +140,7 @@ struct Joint {
 
  private:
   static HWY_INLINE Vector3 turned(const Place& place, const Vector3& angular) {
-    if constexpr (WithTurn) return transposed_times(place.turn, angular);
+    if constexpr (WithTurn) return transposed_times(place.turn(), angular);
     else return angular;
   }
   /// Row of x_b + R_b p_b - x_a - R_a p_a in world axis i.
@@ -153,16 +148,16 @@ struct Joint {
   HWY_INLINE void along_world(int i, Put&& put) const {
     put(i, false, 0, unit(i));
     put(i, true, 0, -unit(i));
-    put(i, false, 3, turned(b, cross(child_point, row(b.rotation, i))));
-    put(i, true, 3, turned(a, cross(row(a.rotation, i), load3(points.parent))));
+    put(i, false, 3, turned(b, cross(child_point, b.rotation_row(i))));
+    put(i, true, 3, turned(a, cross(a.rotation_row(i), load3(points.parent))));
   }
   /// Row of f . R_a^T (x_b + R_b p_b - x_a), f fixed in the parent.
   template <class Put>
   HWY_INLINE void along_axis(const Vector3& f, int i, Put&& put) const {
-    const Vector3 world = a.rotation * f;
+    const Vector3 world = a.rotation() * f;
     put(i, false, 0, world);
     put(i, true, 0, -world);
-    put(i, false, 3, turned(b, cross(child_point, transposed_times(b.rotation, world))));
+    put(i, false, 3, turned(b, cross(child_point, transposed_times(b.rotation(), world))));
     put(i, true, 3, turned(a, cross(f, arm())));
   }
 };
@@ -179,15 +174,11 @@ HWY_INLINE void aim(const JointTask& task) {
   });
   const Mask on_parent = lanes_of(task.children_are_world);
   const auto recorded = [&](const Pack& of_parent, const Pack& of_child) HWY_ATTR { return gs::select(on_parent, of_parent, of_child); };
-  const Place &a = joint.a, &b = joint.b;
-  const Vector3 point = b.x + b.rotation * joint.child_point;
-  keep(recorded(a.q.v.x, b.q.v.x), task.stands[0]);
-  keep(recorded(a.q.v.y, b.q.v.y), task.stands[1]);
-  keep(recorded(a.q.v.z, b.q.v.z), task.stands[2]);
-  keep(recorded(a.q.w, b.q.w), task.stands[3]);
-  keep(point.x - recorded(a.x.x, b.x.x), task.stands[4]);
-  keep(point.y - recorded(a.x.y, b.x.y), task.stands[5]);
-  keep(point.z - recorded(a.x.z, b.x.z), task.stands[6]);
+  const Vector3 a = joint.a.x(), b = joint.b.x(), point = b + joint.b.rotation() * joint.child_point;
+  for (int k = 0; k < 4; ++k) keep(recorded(load(joint.a.number[3 + k]), load(joint.b.number[3 + k])), task.stands[k]);
+  keep(point.x - recorded(a.x, b.x), task.stands[4]);
+  keep(point.y - recorded(a.y, b.y), task.stands[5]);
+  keep(point.z - recorded(a.z, b.z), task.stands[6]);
 }
 
 /// out = force^T impulses; sign: of the force along a world axis.
