@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 
 #include "graphsolve/ordering.hpp"
 #include "stepper.hpp"
@@ -42,6 +43,14 @@ graphsolve::Ordering order_copies(const graphsolve::BlockGraph& all, const graph
   return graphsolve::user_ordering(all, sequence);
 }
 
+/// Steps start from the velocities of the step before. Were they accepted at what gravity changes in a step, nothing would
+/// ever fall.
+double loosest_tolerance(const Mechanism& mechanism) {
+  constexpr double part = 0.01;
+  const double gained = mechanism.gravity.norm() * mechanism.time_step;
+  return gained > 0 ? part * gained : std::numeric_limits<double>::infinity();
+}
+
 }  // namespace
 
 const Motor* motor_of(const Mechanism& mechanism, const JointGeometry& geometry) {
@@ -56,6 +65,7 @@ Stepper::Stepper(Mechanism scene, int copies, const SimulatorSettings& options, 
   for (int lane = 1; lane < copies; ++lane) (void)describe(lane, scene);
   Assembly assembly = describe(0, std::move(scene));
   dt = lanes[0].mechanism.time_step;
+  settings.tolerance = std::min(settings.tolerance, loosest_tolerance(lanes[0].mechanism));
   build(assembly);
   make_solver(assembly, same);
   for (int lane = 0; lane < copies; ++lane) start(lane, assembly);
