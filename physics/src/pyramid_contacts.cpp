@@ -1,10 +1,7 @@
 #include "pyramid_contacts.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
-
-#include "simd/placement.hpp"
 
 namespace physics {
 
@@ -54,61 +51,6 @@ int PyramidContacts::add(int body) {
   return size() - 1;
 }
 
-void PyramidContacts::wire(const graphsolve::Wiring& wiring) {
-  if (seats_.empty()) return;
-  std::vector<Placed> placed;
-  for (const Seat& seat : seats_) placed.push_back({0, wiring.block(seat.node, seat.node)});
-  place_ = places_in_octets(placed);
-  const int octets = octets_for(1 + *std::max_element(place_.begin(), place_.end()));
-  octets_.assign(octets, {});
-  groups_.resize(octets);
-  blocks_.assign(octets, {});
-  one_body_.assign(octets, 1);
-  contact_at_.assign(octets * graphsolve::simd::lanes, -1);
-  product_.assign(seats_.size(), 0.0);
-  kernels_ = contact_kernels();
-  std::vector<int> body(octets, -1);
-  for (int i = 0; i < size(); ++i) {
-    const int octet = octet_of(place_[i]);
-    contact_at_[place_[i]] = i;
-    blocks_[octet].set(lane_of(place_[i]), placed[i].block);
-    if (body[octet] >= 0 && body[octet] != seats_[i].body) one_body_[octet] = 0;
-    body[octet] = seats_[i].body;
-  }
-  find_lane_places(wiring);
-  for (auto& blocks : blocks_) blocks.finish();
-  beside_.clear();
-  for (int octet = 0; octet < octets; ++octet) {
-    constexpr int lanes = graphsolve::simd::lanes;
-    std::array<int, lanes> of_lane;
-    for (int l = 0; l < lanes; ++l) {
-      const int i = contact_at_[octet * lanes + l];
-      of_lane[l] = i < 0 ? Bodies::nothing : seats_[i].body;
-    }
-    beside_.push_back(bodies_.octet_of_all(of_lane));
-  }
-}
-
-/// Lanes without a contact stand in for one that has.
-void PyramidContacts::find_lane_places(const graphsolve::Wiring& wiring) {
-  lane_places_.assign(octets_.size(), {});
-  for (int octet = 0; octet < static_cast<int>(octets_.size()); ++octet) {
-    LanePlaces& places = lane_places_[octet];
-    unsigned used = 0;
-    for (int l = 0; l < graphsolve::simd::lanes; ++l)
-      if (contact_at_[octet * graphsolve::simd::lanes + l] >= 0) used |= 1u << l;
-    each_contact(octet, used, [&](int lane, int i) {
-      places.row[lane] = wiring.row(seats_[i].node);
-      places.body[lane] = bodies_.place_of(seats_[i].body);
-      places.component[lane] = wiring.component(seats_[i].node);
-    });
-    places.used = used;
-    places.side_by_side = used == 0xffu;
-    for (int l = 1; l < graphsolve::simd::lanes; ++l)
-      if (places.component[l] != places.component[0] + l) places.side_by_side = false;
-  }
-}
-
 /// f(task, octet) with what every operation needs.
 template <class F>
 void PyramidContacts::each_octet(const Instances& instances, F&& f) const {
@@ -120,12 +62,6 @@ void PyramidContacts::each_octet(const Instances& instances, F&& f) const {
     task.dt = bodies_.dt;
     f(task, octet);
   });
-}
-
-/// f(lane, contact) for all eight lanes; those that are not used stand in for one that is.
-template <class F>
-void PyramidContacts::each_contact(int octet, unsigned used, F&& f) const {
-  each_lane(octet, used, [&](int lane, int place) { f(lane, contact_at_[place]); });
 }
 
 /// What belongs to the component of each lane. Lanes mostly are those of eight components in a row, or of a single one.
@@ -279,10 +215,15 @@ void PyramidContacts::complementarity(Instances instances, std::span<const doubl
   each_octet(instances, [&](ContactTask& task, int octet) {
     take(task.first, task, octet, alpha);
     kernels_.complementarity(task);
-    give(task, octet, [&](int i, int lane) { product_[i] = task.out[lane]; });
+    const LanePlaces& places = lane_places_[octet];
+    if (!in_order_) give(task, octet, [&](int i, int lane) { product_[i] = task.out[lane]; });
+    else if (places.side_by_side && task.used == 0xffu)
+      for (int l = 0; l < graphsolve::simd::lanes; ++l) sum[places.component[0] + l] += task.out.lane[l];
+    else give(task, octet, [&](int, int lane) { sum[places.component[lane]] += task.out[lane]; });
   });
   // In the order of the contacts, whatever octets they are in: the sum in bits depends on it.
-  for (const int i : instances.index) sum[instances.component[i]] += product_[i];
+  for (std::size_t k = 0; !in_order_ && k < instances.index.size(); ++k)
+    sum[instances.component[instances.index[k]]] += product_[instances.index[k]];
 }
 
 void PyramidContacts::accept(Instances instances, std::span<const double> alpha) {

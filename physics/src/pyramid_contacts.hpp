@@ -112,8 +112,6 @@ class PyramidContacts final : public graphsolve::PortBatch {
  private:
   template <class F>
   void each_octet(const graphsolve::Instances& instances, F&& f) const;
-  template <class F>
-  void each_contact(int octet, unsigned used, F&& f) const;
   void find_lane_places(const graphsolve::Wiring& wiring);
   void take(Octet& to, const ContactTask& task, int octet, std::span<const double> from) const;
   template <class F>
@@ -139,6 +137,7 @@ class PyramidContacts final : public graphsolve::PortBatch {
     bool side_by_side;  ///< eight components that follow each other
   };
   std::vector<LanePlaces> lane_places_;     ///< by octet
+  bool in_order_ = false;  ///< contacts of a component lie in octets and lanes in their order
   std::vector<int> beside_;                 ///< by octet: that of its bodies, if they lie in the same lanes
   ContactKernels kernels_{};
   std::vector<char> one_body_;  ///< by octet: its contacts are on the same body

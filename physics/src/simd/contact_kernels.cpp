@@ -1,5 +1,7 @@
 #include "simd/contact_kernels.hpp"
 
+#include <limits>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "simd/contact_kernels.cpp"
 #include "graphsolve/simd/targets.hpp"
@@ -82,9 +84,22 @@ HWY_INLINE void add_force(const ContactTask& task, const Rows& f, double sign) {
 /// cf, or nothing where the bound is frozen.
 HWY_INLINE Pack friction(const ContactOctet& o) { return load(o.friction) * (Pack(1.0) - load(o.frozen)); }
 
-HWY_INLINE void keep_largest(Pack& largest, const Pack& e) {
-  largest = gs::select((e > largest) | !(e >= e), e, largest);  // a NaN stays
-}
+/// Largest of many numbers and 0; a NaN stays. Two chains of maxima, so that few wait for the one before.
+class Largest {
+ public:
+  HWY_INLINE Largest() : most_{Pack(0.0), Pack(0.0)}, missing_(Pack(0.0) < Pack(0.0)) {}
+  HWY_INLINE void take(const Pack& e, int chain) {
+    most_[chain] = gs::max(e, most_[chain]);
+    missing_ = missing_ | !(e >= e);
+  }
+  HWY_INLINE Pack value() const {
+    return gs::select(missing_, Pack(std::numeric_limits<double>::quiet_NaN()), gs::max(most_[0], most_[1]));
+  }
+
+ private:
+  Pack most_[2];
+  Mask missing_;
+};
 
 void Look(const ContactTask& task) {
   ContactOctet& o = *task.octet;
@@ -164,7 +179,8 @@ void StartCold(const ContactTask& task, double velocity) {
 /// Largest product, and the natural error: what is left when psi is taken from the slip that is.
 HWY_INLINE void judge(ContactTask& task, const Pack* s, const Pack* z, const Pack* residual) {
   const Pack lighter = Pack(1.0) / load(task.second);
-  Pack slip[facets], psi(0.0), largest(0.0), product(0.0);
+  Pack slip[facets], psi(0.0);
+  Largest largest, product;
   for (int i = 0; i < facets; ++i) {
     slip[i] = s[1 + i] + residual[1 + i] - s[bound];
     psi = gs::max(psi, -slip[i]);
@@ -172,13 +188,13 @@ HWY_INLINE void judge(ContactTask& task, const Pack* s, const Pack* z, const Pac
   const Pack off = gs::abs(residual[bound]) * lighter;
   for (int k = 0; k < pairs; ++k) {
     const Pack velocity = z[k] * lighter, slack = k == bound ? off : gs::abs(residual[k]);
-    keep_largest(largest, slack);
-    if (k == bound) keep_largest(largest, gs::min(psi, velocity + off));
-    else keep_largest(largest, gs::min(k == 0 ? s[k] + slack : slip[k - 1] + psi, velocity));
-    keep_largest(product, s[k] * z[k]);
+    largest.take(slack, 0);
+    if (k == bound) largest.take(gs::min(psi, velocity + off), 1);
+    else largest.take(gs::min(k == 0 ? s[k] + slack : slip[k - 1] + psi, velocity), 1);
+    product.take(s[k] * z[k], k % 2);
   }
-  store(largest, task.out);
-  store(product, task.also_out);
+  store(largest.value(), task.out);
+  store(product.value(), task.also_out);
 }
 
 void Evaluate(ContactTask& task) {
@@ -200,9 +216,9 @@ void Condense(const ContactTask& task) {
   const Pack cap = gs::min(load(task.first), load(o.largest_ratio));
   Pack w[pairs];
   for (int k = 0; k < pairs; ++k) {
-    const Pack z = load(o.z[k]), inverse_s = Pack(1.0) / load(o.s[k]);
+    const Pack s = load(o.s[k]), z = load(o.z[k]), inverse = Pack(1.0) / (s * z), inverse_s = z * inverse;  // one division
     store(inverse_s, o.inverse_s[k]);
-    store(Pack(1.0) / z, o.inverse_z[k]);
+    store(s * inverse, o.inverse_z[k]);
     w[k] = gs::min(z * inverse_s, cap);
     store(w[k], o.ratio[k]);
   }
@@ -271,19 +287,19 @@ void Recover(ContactTask& task) {
   Pack psi = friction(o) * load(o.ratio[0]) * du.n;
   for (int i = 0; i < facets; ++i) psi -= load(o.ratio[1 + i]) * along(du, i);
   psi = load(o.psi_shift) + psi * load(o.one_over_sum);
-  Pack ratio(0.0);
+  Largest ratio;
   const auto finish = [&](int k, const Pack& dz) HWY_ATTR {
     const Pack inverse_z = load(o.inverse_z[k]), ds = -(load(o.defect[k]) + load(o.s[k]) * dz) * inverse_z;
     keep(dz, o.dz[k]);
     keep(ds, o.ds[k]);
-    keep_largest(ratio, -dz * inverse_z);
-    keep_largest(ratio, -ds * load(o.inverse_s[k]));
+    ratio.take(-dz * inverse_z, 0);
+    ratio.take(-ds * load(o.inverse_s[k]), 1);
   };
   finish(0, -load(o.ratio[0]) * (du.n + load(o.shift[0])));
   for (int i = 0; i < facets; ++i) finish(1 + i, -load(o.ratio[1 + i]) * (along(du, i) + psi + load(o.shift[1 + i])));
   // As in the other pairs: the impulse from the condensed system, the velocity from the product.
   finish(bound, -load(o.defect[bound]) * load(o.inverse_s[bound]) - load(o.ratio[bound]) * psi);
-  store(ratio, task.out);
+  store(ratio.value(), task.out);
 }
 
 void Complementarity(ContactTask& task) {
