@@ -55,7 +55,9 @@ std::string tree_file(const std::string& path) {
 int analyze(const Options& options) {
   const std::vector<OrderingMethod> methods = chosen_methods(options.ordering);
   const std::string tree = options.dot.empty() ? "" : tree_file(options.dot);
-  check_outputs({{"--json", options.json}, {"--svg", options.svg}, {"--dot", options.dot}, {"the tree of --dot", tree}});
+  const bool from_file = options.source.ends_with(".mtx") || is_scene_file(options.source);
+  check_outputs({{"--json", options.json}, {"--svg", options.svg}, {"--dot", options.dot}, {"the tree of --dot", tree}},
+                {from_file ? options.source : "", options.blocks});
   AnalyzeReport report{.source = options.source};
   if (options.source.ends_with(".mtx")) {
     const MatrixSource matrix = load_matrix(options.source, options.blocks);

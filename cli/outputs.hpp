@@ -10,7 +10,8 @@ struct Output {
   std::string option, path;
 };
 
-/// Before the work begins: throws DescriptionError when one of them cannot be written, or would overwrite another.
-void check_outputs(const std::vector<Output>& outputs);
+/// Before the work begins: throws DescriptionError when one of them cannot be written, or would overwrite another or one
+/// of the files that the command reads (`inputs`; empty paths: there are none).
+void check_outputs(const std::vector<Output>& outputs, const std::vector<std::string>& inputs);
 
 }  // namespace cli

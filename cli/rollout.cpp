@@ -12,6 +12,7 @@
 #include "commands.hpp"
 #include "interrupt.hpp"
 #include "options.hpp"
+#include "outputs.hpp"
 #include "physics/batch_run.hpp"
 #include "physics/batch_variation.hpp"
 #include "progress.hpp"
@@ -239,6 +240,7 @@ int rollout_here(const Options& options, const RolloutRequest& request, const Pr
 int merge(const Options& options) {
   if (options.out.empty()) throw DescriptionError("--merge needs --out");
   if (!options.scene.empty()) throw DescriptionError("--merge takes files of shards, no scene");
+  check_outputs({{"--out", options.out}}, options.merge);
   const Tally tally = merge_rollouts(options.merge, options.out);
   fmt::print("{:<22} {} copies: {}\n{:<22} {}\n", "merged", tally.copies, statuses_text(tally), "file", options.out);
   return tally.failed() > 0 ? step_failed : all_solved;

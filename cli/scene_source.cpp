@@ -13,10 +13,6 @@ using physics::DescriptionError;
 
 namespace {
 
-bool is_file(const std::string& name) {
-  return name.ends_with(".json") || name.ends_with(".toml") || name.find('/') != std::string::npos;
-}
-
 /// The record must satisfy what the start of a scene must.
 void check_record(const physics::Trajectory& trajectory, const physics::StepRecord& record) {
   physics::Mechanism scene = trajectory.mechanism;
@@ -32,8 +28,12 @@ void check_record(const physics::Trajectory& trajectory, const physics::StepReco
 
 }  // namespace
 
+bool is_scene_file(const std::string& name) {
+  return name.ends_with(".json") || name.ends_with(".toml") || name.find('/') != std::string::npos;
+}
+
 SceneSource load_scene(const std::string& name) {
-  if (is_file(name)) return {physics::read_scene(name)};
+  if (is_scene_file(name)) return {physics::read_scene(name)};
   SceneSource source{{physics::built_in_scene(name), {}}};
   const std::string short_name = name.substr(0, name.find(':'));
   for (const auto& info : physics::built_in_scenes())

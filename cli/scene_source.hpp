@@ -13,6 +13,8 @@ struct SceneSource {
 };
 
 /// A name that ends in .json or .toml, or contains a slash, is a file; anything else is a built-in scene.
+bool is_scene_file(const std::string& name);
+
 /// Throws DescriptionError.
 SceneSource load_scene(const std::string& name);
 

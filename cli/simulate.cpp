@@ -145,7 +145,8 @@ int finish(const Options& options, const physics::Simulator& simulator, const ph
 }
 
 int simulate(const Options& options) {
-  check_outputs({{"--out", options.out}, {"--summary", options.summary}});
+  check_outputs({{"--out", options.out}, {"--summary", options.summary}},
+                {is_scene_file(options.scene) ? options.scene : ""});
   SceneSource source = load_scene(options.scene);
   change(source.trajectory.mechanism, options);
   const physics::StepRecord* from =

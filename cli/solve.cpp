@@ -83,7 +83,7 @@ void print_attempts(const SolveResult& result) {
 
 int solve(const Options& options) {
   const SolveRequest wanted{parse_method(options.ordering), parse_kind(options.factorization)};
-  check_outputs({{"--out", options.out}});
+  check_outputs({{"--out", options.out}}, {options.matrix, options.right, options.blocks});
   const MatrixSource source = load_matrix(options.matrix, options.blocks);
   const io::DenseMatrix b = right_hand_side(options, source.file.matrix);
   if (wanted.kind && *wanted.kind != FactorizationKind::ldu && !source.blocks.symmetric)

@@ -212,6 +212,22 @@ TEST_F(Cli, OutputsInOneFileAreRefusedHoweverItIsSpelled) {
             "graphsolve: --svg and the tree of --dot are the same file 'x-tree.dot'\n");
 }
 
+TEST_F(Cli, WhatIsReadIsNeverOverwrittenWhateverItIsCalled) {
+  ASSERT_EQ(run("simulate disc --steps 3 --out t.json").code, 0);
+  const std::string before = text("t.json");
+  fs::create_symlink("t.json", path("link.json"));
+  fs::create_hard_link(path("t.json"), path("twin.json"));
+  EXPECT_EQ(refused("simulate t.json --out t.json"), "graphsolve: --out would overwrite the input 't.json'\n");
+  EXPECT_EQ(refused("simulate t.json --from 1 --steps 1 --out ./t.json"),
+            "graphsolve: --out would overwrite the input 't.json'\n");
+  EXPECT_EQ(refused("simulate t.json --summary link.json"), "graphsolve: --summary would overwrite the input 't.json'\n");
+  EXPECT_EQ(refused("simulate twin.json --out t.json"), "graphsolve: --out would overwrite the input 'twin.json'\n");
+  EXPECT_EQ(refused("analyze t.json --svg t.json"), "graphsolve: --svg would overwrite the input 't.json'\n");
+  EXPECT_EQ(text("t.json"), before);
+  write("disc", "a file that is not the scene");
+  EXPECT_EQ(run("analyze disc --json disc").code, 0);
+}
+
 TEST_F(Cli, AnInstructionSetThatIsNoneIsRefused) {
   for (const char* command : {"simulate disc --steps 1", "rollout disc --copies 3 --steps 1 --threads 2"}) {
     const Outcome wrong = run(command, "GRAPHSOLVE_SIMD=avx1024");

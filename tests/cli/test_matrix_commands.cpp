@@ -271,6 +271,18 @@ TEST_F(MatrixCommand, WrongInputIsNamedWithFileLineAndValue) {
   EXPECT_NE(refused("solve a.mtx --out no/x.mtx").find("no/x.mtx"), std::string::npos);
 }
 
+TEST_F(MatrixCommand, NeitherMatrixNorRightHandSideNorMapIsOverwritten) {
+  write("a.mtx", 3, line(3, Shape::chain));
+  write("b.mtx", "%%MatrixMarket matrix array real general\n3 1\n1\n2\n3\n");
+  write("sizes.txt", "1 2\n");
+  for (const char* input : {"a.mtx", "b.mtx", "sizes.txt"})
+    EXPECT_EQ(refused("solve a.mtx b.mtx --blocks sizes.txt --out " + std::string(input)),
+              "graphsolve: --out would overwrite the input '" + std::string(input) + "'\n");
+  EXPECT_EQ(refused("analyze a.mtx --json a.mtx"), "graphsolve: --json would overwrite the input 'a.mtx'\n");
+  EXPECT_EQ(refused("analyze a.mtx --blocks sizes.txt --dot sizes.txt"),
+            "graphsolve: --dot would overwrite the input 'sizes.txt'\n");
+}
+
 TEST_F(MatrixCommand, BothExplainThemselves) {
   for (const char* command : {"analyze --help", "solve --help"}) {
     const Outcome outcome = run(command);
