@@ -208,19 +208,27 @@ Tally merge_rollouts(const std::vector<std::string>& parts, const std::string& o
     if (!lines.next(line)) throw DescriptionError(fmt::format("{}: is not a file of a rollout", path));
     Json header = parse(line, path + ":1");
     Shard shard;
-    if (std::sscanf(get<std::string>(header, "shard", path + ":1").c_str(), "%d/%d", &shard.index, &shard.count) != 2 || shard.count < 1)
+    if (std::sscanf(get<std::string>(header, "shard", path + ":1").c_str(), "%d/%d", &shard.index, &shard.count) != 2 || shard.index < 0 ||
+        shard.index >= shard.count)
       throw DescriptionError(fmt::format("{}: is not a file of a rollout", path));
     header["shard"] = "0/1";
     if (found.empty()) common = header;
     compare(header.dump(), common.dump(), path);
     found.push_back({path, shard});
   }
-  std::sort(found.begin(), found.end(), [](const Part& a, const Part& b) { return a.shard.index < b.shard.index; });
+  std::stable_sort(found.begin(), found.end(), [](const Part& a, const Part& b) { return a.shard.index < b.shard.index; });
   const int count = found.empty() ? 0 : found.front().shard.count;
+  for (const Part& part : found)
+    if (part.shard.count != count)
+      throw DescriptionError(fmt::format("{}: is shard {}/{}, and {} is {}/{}", part.path, part.shard.index, part.shard.count,
+                                         found.front().path, found.front().shard.index, count));
+  for (std::size_t i = 1; i < found.size(); ++i)
+    if (found[i].shard.index == found[i - 1].shard.index)
+      throw DescriptionError(fmt::format("shard {}/{} is there twice: {} and {}", found[i].shard.index, count, found[i - 1].path,
+                                         found[i].path));
   for (int i = 0; i < count; ++i)
-    if (i >= static_cast<int>(found.size()) || found[i].shard.index != i || found[i].shard.count != count)
-      throw DescriptionError(fmt::format("shard {}/{} is missing, or there twice", i, count));
-  if (static_cast<int>(found.size()) != count) throw DescriptionError("shards are there twice");
+    if (i >= static_cast<int>(found.size()) || found[i].shard.index != i)
+      throw DescriptionError(fmt::format("shard {}/{} is missing", i, count));
 
   const auto copies = get<long long>(common, "copies", found.front().path + ":1");
   Tally tally;

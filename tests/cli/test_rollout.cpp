@@ -201,7 +201,14 @@ TEST_F(Rollout, MergeNamesAShardThatIsMissingOrIncomplete) {
   for (const char* shard : {"0", "1"})
     ASSERT_EQ(run(work + " --shard " + shard + "/2 --out part" + shard), 0) << err_;
   EXPECT_EQ(run("--merge part0 --out a"), 2);
-  EXPECT_EQ(err_, "graphsolve: shard 1/2 is missing, or there twice\n");
+  EXPECT_EQ(err_, "graphsolve: shard 1/2 is missing\n");
+  EXPECT_EQ(run("--merge part0 part1 part0 --out a"), 2);
+  EXPECT_EQ(err_, "graphsolve: shard 0/2 is there twice: part0 and part0\n");
+  EXPECT_EQ(run("--merge part0 part1 --out part1"), 2);
+  EXPECT_EQ(err_, "graphsolve: --out would overwrite the input 'part1'\n");
+  ASSERT_EQ(run(work + " --shard 1/3 --out third"), 0) << err_;
+  EXPECT_EQ(run("--merge part0 third --out a"), 2);
+  EXPECT_EQ(err_, "graphsolve: third: is shard 1/3, and part0 is 0/2\n");
   fs::resize_file(path("part1"), fs::file_size(path("part1")) - 5);
   EXPECT_EQ(run("--merge part0 part1 --out a"), 2);
   EXPECT_EQ(err_, "graphsolve: part1: is not complete: copy 22 is due\n");
