@@ -9,7 +9,6 @@
 #include "matrix_source.hpp"
 #include "options.hpp"
 #include "outputs.hpp"
-#include "physics/scene_io.hpp"
 #include "physics/simulator.hpp"
 #include "scene_source.hpp"
 
@@ -74,13 +73,14 @@ int analyze(const Options& options) {
   }
   for (const OrderingMethod method : methods) report.add(method);
   report.explain();
-  fmt::print("{}", for_people(report));
-  if (!options.json.empty()) physics::write_text_file(as_json(report), options.json);
-  if (!options.svg.empty()) physics::write_text_file(as_svg(report), options.svg);
+  std::vector<FileText> files;
+  if (!options.json.empty()) files.push_back({options.json, as_json(report)});
+  if (!options.svg.empty()) files.push_back({options.svg, as_svg(report)});
   if (!options.dot.empty()) {
-    physics::write_text_file(io::graph_dot(report.graph), options.dot);
-    physics::write_text_file(io::tree_dot(report.graph, *report.best().symbolic), tree);
+    files.push_back({options.dot, io::graph_dot(report.graph)});
+    files.push_back({tree, io::tree_dot(report.graph, *report.best().symbolic)});
   }
+  write_and_print(files, for_people(report));
   return all_solved;
 }
 

@@ -40,4 +40,15 @@ void check_outputs(const std::vector<Output>& outputs, const std::vector<std::st
   }
 }
 
+void write_and_print(const std::vector<FileText>& files, const std::string& report) {
+  try {
+    for (const auto& [path, text] : files)
+      if (!path.empty()) physics::write_text_file(text, path);
+  } catch (const physics::DescriptionError&) {
+    fmt::print("{}", report);
+    throw;
+  }
+  fmt::print("{}", report);
+}
+
 }  // namespace cli

@@ -14,4 +14,11 @@ struct Output {
 /// of the files that the command reads (`inputs`; empty paths: there are none).
 void check_outputs(const std::vector<Output>& outputs, const std::vector<std::string>& inputs);
 
+/// Writes the files that were asked for, then prints `report`; that is printed too when a file cannot be written, which
+/// then throws DescriptionError. So neither a full disk nor a reader that has gone (`| head -1`) costs the other.
+struct FileText {
+  std::string path, text;
+};
+void write_and_print(const std::vector<FileText>& files, const std::string& report);
+
 }  // namespace cli

@@ -127,9 +127,9 @@ void copy_records(const physics::Trajectory& trajectory, int last, physics::Traj
 
 int finish(const Options& options, const physics::Simulator& simulator, const physics::RunResult& result, int steps) {
   const Report report{options.scene, steps, options.tolerance, interrupt(), simulator.mechanism(), result};
-  fmt::print("{}", for_people(report));
-  if (!options.out.empty()) fmt::print("{:<22} {}\n", "trajectory", options.out);
-  if (!options.summary.empty()) physics::write_text_file(as_json(report), options.summary);
+  std::string text = for_people(report);
+  if (!options.out.empty()) text += fmt::format("{:<22} {}\n", "trajectory", options.out);
+  write_and_print({{options.summary, options.summary.empty() ? "" : as_json(report)}}, text);
   if (!result.ok()) {
     const int failed = simulator.step_index() + 1;
     fmt::print(stderr, "graphsolve: {}: step {} (at {:.6g} s) failed, {} at {}: {}\n", options.scene, failed,

@@ -9,7 +9,6 @@
 #include "options.hpp"
 #include "outputs.hpp"
 #include "physics/mechanism.hpp"
-#include "physics/scene_io.hpp"
 #include "solve_engine.hpp"
 #include "study/table.hpp"
 
@@ -62,7 +61,7 @@ io::DenseMatrix right_hand_side(const Options& options, const SparseMatrix& matr
 
 std::string scientific(double value) { return std::isfinite(value) ? fmt::format("{:.2e}", value) : "-"; }
 
-void print_attempts(const SolveResult& result) {
+std::string attempts_text(const SolveResult& result) {
   study::Table table({"factorization", "normwise", "componentwise", "growth", "boosts", "dropped", "inertia (+ - 0)",
                       "sweeps", "setup ms", "factor ms", "solve ms", "note"});
   for (const Attempt& a : result.attempts) {
@@ -75,10 +74,11 @@ void print_attempts(const SolveResult& result) {
                fmt::format("{}", a.sweeps), number(1e3 * a.setup_seconds), number(1e3 * a.factor_seconds),
                number(1e3 * a.solve_seconds), a.trouble.empty() ? "good" : &a == &result.attempts.back() ? "failed" : "next"});
   }
-  fmt::print("{}\n", table.text());
+  std::string text = table.text() + "\n";
   for (const Attempt& a : result.attempts)
     for (const std::string& sentence : {a.trouble, a.reason})
-      if (!sentence.empty()) fmt::print("{}: {}\n", a.method, sentence);
+      if (!sentence.empty()) text += fmt::format("{}: {}\n", a.method, sentence);
+  return text;
 }
 
 int solve(const Options& options) {
@@ -91,24 +91,26 @@ int solve(const Options& options) {
   SolveRequest request = wanted;
   request.columns = b.columns;
   const SolveResult result = solve_system(source, b.value, request);
-  fmt::print("{}: {}\nordering {}, fill ratio {:.2f}, {}\n\n", options.matrix, describe(source, options.blocks),
-             name(request.ordering), result.fill_ratio, count(b.columns, "right-hand side", "right-hand sides"));
-  print_attempts(result);
+  std::string text = fmt::format("{}: {}\nordering {}, fill ratio {:.2f}, {}\n\n", options.matrix,
+                                 describe(source, options.blocks), name(request.ordering), result.fill_ratio,
+                                 count(b.columns, "right-hand side", "right-hand sides"));
+  text += attempts_text(result);
   if (options.right.empty() && std::isfinite(result.attempts.back().error.normwise)) {
     double error = 0;
     for (const double x : result.x) error = std::max(error, std::abs(x - 1));
-    fmt::print("largest |x - 1|: {}\n", scientific(error));
+    text += fmt::format("largest |x - 1|: {}\n", scientific(error));
   }
   if (!result.solved) {
+    fmt::print("{}", text);
     fmt::print(stderr, "graphsolve: {}: the matrix is singular, or too near to it\n", options.matrix);
     for (const std::string& sentence : result.diagnosis) fmt::print(stderr, "graphsolve: {}\n", sentence);
     return step_failed;
   }
-  if (!options.out.empty()) {
-    physics::write_text_file(io::matrix_market(result.x, source.file.matrix.rows, "x of A x = b, A = " + options.matrix),
-                             options.out);
-    fmt::print("written: {}\n", options.out);
-  }
+  std::vector<FileText> files;
+  if (!options.out.empty())
+    files.push_back({options.out, io::matrix_market(result.x, source.file.matrix.rows, "x of A x = b, A = " + options.matrix)});
+  write_and_print(files, text);
+  if (!options.out.empty()) fmt::print("written: {}\n", options.out);
   return all_solved;
 }
 

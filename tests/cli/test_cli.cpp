@@ -252,6 +252,14 @@ TEST_F(Cli, AFullDiskIsSaidAndGivesCodeTwo) {
   }
 }
 
+TEST_F(Cli, AReaderThatHasGoneCostsNoFile) {
+  for (const char* command : {"analyze snake:n=2000 --json out", "simulate disc --steps 2 --summary out"}) {
+    fs::remove(path("out"));
+    static_cast<void>(run(std::string(command) + " | true)", "("));
+    EXPECT_TRUE(nlohmann::json::accept(text("out"))) << command;
+  }
+}
+
 TEST_F(Cli, AnInterruptedRunKeepsWhatItHasAndSaysSo) {
   for (const int signal : {SIGINT, SIGTERM}) {
     const Outcome outcome =
