@@ -26,6 +26,7 @@ using physics::DescriptionError;
 
 namespace {
 
+constexpr int most_threads = 4096;  ///< more are a slip of the hand, and systems refuse them in the middle of the work
 constexpr long long most_copies = 1'000'000'000'000;  ///< times the number of shards still fits
 
 struct Options {
@@ -75,7 +76,7 @@ void add_options(CLI::App& command, Options& options) {
   add("Work", "--tolerance", options.tolerance, "T", "Residual at which a step is accepted [m/s]")
       ->check(positive())
       ->capture_default_str();
-  add("Machine", "--threads", options.threads, "T", "Threads of this process")->check(whole_number(1, most))->capture_default_str();
+  add("Machine", "--threads", options.threads, "T", "Threads of this process")->check(whole_number(1, most_threads))->capture_default_str();
   add("Machine", "--lanes", options.lanes, "L", "Copies that a thread steps together; multiples of 8 are best")
       ->check(whole_number(1, most))
       ->capture_default_str();
@@ -229,9 +230,10 @@ int rollout_here(const Options& options, const RolloutRequest& request, const Pr
                shard.count > 1 && !many ? fmt::format(", shard {}/{}", shard.index, shard.count) : "");
     fmt::print("{:<22} {}\n", "outcomes", statuses_text(part.tally));
     if (part.copies_before) fmt::print("{:<22} {} copies\n", "done before", part.copies_before);
+    const long long threads = std::clamp<long long>(shard.last(request.copies) - shard.first(request.copies), 1, options.threads);
     fmt::print("{:<22} {} in {:.3g} s: {:.4g} env-steps/s by {} process{} of {} thread{}\n", "env-steps", part.steps_now,
-               wall, static_cast<double>(part.steps_now) / wall, processes.count(), many ? "es" : "", options.threads,
-               options.threads > 1 ? "s" : "");
+               wall, static_cast<double>(part.steps_now) / wall, processes.count(), many ? "es" : "", threads,
+               threads > 1 ? "s" : "");
     if (!options.out.empty()) fmt::print("{:<22} {}\n", "file", options.out);
   }
   return finish(request, part);

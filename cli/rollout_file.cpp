@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
+#include <system_error>
 #include <type_traits>
 
 #include "physics/scene_io.hpp"
@@ -169,9 +171,14 @@ RolloutFile::RolloutFile(const std::string& path, const RolloutRequest& request,
     throw DescriptionError(fmt::format("{}: is not a file of a rollout", path));
   }
   lines.in.close();
-  if (begun) std::filesystem::resize_file(path, lines.size);
-  else physics::check_writable(path);
+  if (begun) {
+    if (std::filesystem::file_size(path) != lines.size) std::filesystem::resize_file(path, lines.size, error);
+    if (error) throw DescriptionError(fmt::format("cannot write '{}': {}", path, error.message()));
+  } else {
+    physics::check_writable(path);
+  }
   out_.open(path, std::ios::binary | (begun ? std::ios::app : std::ios::trunc));
+  if (!out_) throw DescriptionError(fmt::format("cannot write '{}': {}", path, std::generic_category().message(errno)));
   is_new_ = !begun;
   if (!begun) out_ << header << '\n';
   flush();
@@ -191,7 +198,7 @@ void RolloutFile::add(const std::string& record) {
 
 void RolloutFile::flush() {
   unflushed_ = 0;
-  if (!out_.flush()) throw DescriptionError(fmt::format("cannot write '{}'", path_));
+  if (!out_.flush()) throw DescriptionError(fmt::format("cannot write '{}': {}", path_, std::generic_category().message(errno)));
 }
 
 Tally merge_rollouts(const std::vector<std::string>& parts, const std::string& out) {
@@ -204,7 +211,7 @@ Tally merge_rollouts(const std::vector<std::string>& parts, const std::string& o
   for (const std::string& path : parts) {
     Lines lines(path);
     std::string line;
-    if (!lines.in) throw DescriptionError(fmt::format("cannot read '{}'", path));
+    if (!lines.in) throw DescriptionError(fmt::format("{}: cannot be read: {}", path, std::generic_category().message(errno)));
     if (!lines.next(line)) throw DescriptionError(fmt::format("{}: is not a file of a rollout", path));
     Json header = parse(line, path + ":1");
     Shard shard;

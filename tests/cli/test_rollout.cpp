@@ -64,7 +64,9 @@ TEST_F(Rollout, WritesOneRecordPerCopyInOrderWithWhatWasVaried) {
     EXPECT_GE(record["smallest_distance_m"].get<double>(), -1e-9);
   }
   EXPECT_EQ(frictions.size(), 23u) << "every copy its own";
-  EXPECT_NE(out_.find("env-steps/s"), std::string::npos);
+  EXPECT_NE(out_.find("env-steps/s by 1 process of 1 thread"), std::string::npos);
+  ASSERT_EQ(run(work + " --threads 4096"), 0) << err_;
+  EXPECT_NE(out_.find("by 1 process of 23 threads"), std::string::npos) << "no more than there are copies";
 }
 
 TEST_F(Rollout, BytesDoNotDependOnThreadsLanesOrShards) {
@@ -194,7 +196,9 @@ TEST_F(Rollout, WrongInputIsOneSentence) {
   }
   EXPECT_NE(refused("snake --copies 5 --steps 3 --out a.jsonl --vary 'start.link 1.position.x=5:6'").find("copy 0: joint 'joint 0': "),
             std::string::npos);
-  EXPECT_NE(refused("--merge nothing.jsonl --out a").find("cannot read 'nothing.jsonl'"), std::string::npos);
+  EXPECT_EQ(refused("disc --copies 5 --steps 3 --threads 4097"),
+            "graphsolve: --threads: must not be above 4096 (see 'graphsolve rollout --help')\n");
+  EXPECT_NE(refused("--merge nothing.jsonl --out a").find("nothing.jsonl: cannot be read: No such file or directory"), std::string::npos);
 }
 
 TEST_F(Rollout, MergeNamesAShardThatIsMissingOrIncomplete) {
