@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <queue>
@@ -31,7 +32,7 @@ struct Graph {
 template <class S>
 Graph<S> read_g2o(const std::string& path) {
   std::ifstream file(path);
-  if (!file) throw std::runtime_error(path + ": cannot be opened");
+  if (!file || std::filesystem::is_directory(path)) throw std::runtime_error(path + ": cannot be read");
   std::map<long, typename S::Pose> vertices;
   std::map<long, int> number;
   struct Named {
@@ -63,7 +64,10 @@ Graph<S> read_g2o(const std::string& path) {
     } else {
       continue;
     }
-    if (!in) throw std::runtime_error(path + ", line " + std::to_string(count) + ": a number is missing after " + tag);
+    const std::string where = path + ", line " + std::to_string(count) + ": ";
+    if (!in) throw std::runtime_error(where + "a number is missing after " + tag);
+    if (tag == S::edge_tag && edges.back().from == edges.back().to)
+      throw std::runtime_error(where + "an edge from pose " + std::to_string(edges.back().from) + " to itself");
   }
   if (edges.empty()) throw std::runtime_error(path + ": no line begins with " + S::edge_tag);
   Graph<S> graph;

@@ -4,12 +4,15 @@
 //   build/release/bin/pose_graph FILE.g2o ...     chi^2 and gradient per step, iterations, time per iteration
 //   build/release/bin/pose_graph                  the same for two small graphs that it makes, writes and reads back
 //
-// Expected: the gradient falls by 1e8 or more, or to rounding where the start was that good (code 1 if not). On graphs made with Gaussian noise, chi^2 over the degrees
-// of freedom must come out near 1. The start is the file's guess, the odometry, or a breadth-first tree of measurements,
-// whichever has the least chi^2.
+// Expected: the gradient falls by 1e8 or more, or to rounding where the start was that good (code 1 if not, 2 for a file
+// that cannot be read). On graphs made with Gaussian noise, chi^2 over the degrees of freedom must come out near 1. The
+// start is the file's guess, the odometry, or a breadth-first tree of measurements, whichever has the least chi^2.
 
-#include <cstring>
+#include <unistd.h>
+
 #include <exception>
+#include <filesystem>
+#include <string_view>
 
 #include "optimize.hpp"
 #include "synthetic.hpp"
@@ -47,7 +50,9 @@ bool solve(const std::string& path, bool made_here) {
     std::printf("  %3zu  chi^2 %.6e  gradient %.1e%s\n", k, report.steps[k].chi2, report.steps[k].gradient,
                 report.steps[k].damping > 0 ? "  damped" : "");
   const double freedom = S::size * (static_cast<double>(graph.edges.size()) - graph.poses + 1);
-  std::printf("  chi^2 %.4f, over degrees of freedom %.3f\n", report.steps.back().chi2, report.steps.back().chi2 / freedom);
+  std::printf("  chi^2 %.4f", report.steps.back().chi2);
+  if (freedom > 0) std::printf(", over degrees of freedom %.3f", report.steps.back().chi2 / freedom);
+  std::printf("\n");
   std::printf("  gradient down to %.1e of its start in %d iterations, %d of them damped\n", report.reduction,
               report.iterations, report.damped);
   if (!made_here)
@@ -64,25 +69,62 @@ bool solve_file(const std::string& path, bool made_here) {
   return space ? solve<Space>(path, made_here) : solve<Plane>(path, made_here);
 }
 
-}  // namespace
+/// In a folder of its own, which goes with the object.
+class Scratch {
+ public:
+  Scratch() : folder_(std::filesystem::temp_directory_path() / ("pose_graph-" + std::to_string(getpid()))) {
+    std::filesystem::create_directories(folder_);
+  }
+  ~Scratch() {
+    std::error_code none;
+    std::filesystem::remove_all(folder_, none);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  [[nodiscard]] std::string file() const { return (folder_ / "made.g2o").string(); }
 
-int main(int count, char** arguments) {
+ private:
+  std::filesystem::path folder_;
+};
+
+/// The exit code: 0 solved, 1 not solved, 2 it cannot be read.
+template <class F>
+int guarded(F&& solved) {
   try {
-    bool solved = true;
-    for (int k = 1; k < count; ++k) {
-      std::printf("%s\n", arguments[k]);
-      solved = solve_file(arguments[k], false) && solved;
-    }
-    if (count > 1) return solved ? 0 : 1;
-    const std::string path = "pose_graph_example.g2o";  // in the current directory
-    write_town(path);
-    solved = solve_file(path, true) && solved;
-    write_globe(path);
-    solved = solve_file(path, true) && solved;
-    std::remove(path.c_str());
-    return solved ? 0 : 1;
+    return solved() ? 0 : 1;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "pose_graph: %s\n", error.what());
     return 2;
   }
+}
+
+constexpr const char* usage = R"(Usage: pose_graph [FILE.g2o ...]
+Solves pose graphs (SE(2) or SE(3)) by Gauss-Newton; without files two small ones that it makes.
+Exit code: 0 all solved, 1 one was not, 2 wrong option or a file that cannot be read.
+)";
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  for (int k = 1; k < count; ++k) {
+    const std::string_view word = arguments[k];
+    if (word == "-h" || word == "--help") return std::fputs(usage, stdout) < 0 ? 2 : 0;
+    if (word.empty() || word[0] == '-') {
+      std::fprintf(stderr, "pose_graph: there is no option '%s' (see 'pose_graph --help')\n", arguments[k]);
+      return 2;
+    }
+  }
+  int worst = 0;
+  for (int k = 1; k < count; ++k) {
+    std::printf("%s\n", arguments[k]);
+    worst = std::max(worst, guarded([&] { return solve_file(arguments[k], false); }));
+  }
+  if (count > 1) return worst;
+  return guarded([] {
+    const Scratch scratch;
+    write_town(scratch.file());
+    const bool town = solve_file(scratch.file(), true);
+    write_globe(scratch.file());
+    return solve_file(scratch.file(), true) && town;
+  });
 }

@@ -101,7 +101,8 @@ class Optimizer {
       spent += thread_seconds() - begin;
     }
     report.seconds_per_iteration = report.iterations > 0 ? spent / report.iterations : 0;
-    report.reduction = report.steps.back().gradient / report.steps[0].gradient;
+    // A start without any gradient is a solution.
+    report.reduction = report.steps[0].gradient > 0 ? report.steps.back().gradient / report.steps[0].gradient : 0;
     return report;
   }
 
