@@ -5,9 +5,10 @@
 set -euo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 
+if [[ ${1:-} == -h || ${1:-} == --help ]]; then sed -n '2,4s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0; fi
 if (($# > 1)) || [[ ${1:-} == -* ]]; then
-  sed -n '2,4s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
-  [[ ${1:-} == -h || ${1:-} == --help ]] && exit 0 || exit 2
+  printf 'demo.sh: takes one folder, not: %s (see demo.sh --help)\n' "$*" >&2
+  exit 2
 fi
 out="${1:-demo-out}"
 mkdir -p -- "$out"
