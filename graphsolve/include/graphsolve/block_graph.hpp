@@ -15,7 +15,7 @@ struct NodeId {
 
 /// What is known of a node's own diagonal block; decides when it may be eliminated (ordering.hpp).
 enum class NodeKind {
-  regular,       ///< the symmetric part of the own block is positive definite
+  regular,       ///< positive definite (its symmetric part), and still so when any other regular nodes are eliminated
   semidefinite,  ///< the own block may be zero, such as a variable without cost
   saddle,        ///< a constraint row: its pivot appears only through its neighbours
   shared,        ///< regular, and the saddle nodes are independent without it: a parameter of many of them, which none

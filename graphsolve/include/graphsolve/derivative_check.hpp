@@ -23,8 +23,8 @@ struct DerivativeReport {
 /// Costs one evaluation per unknown: for small problems.
 DerivativeReport check_terms(Problem& problem, std::span<const double> x, double step = 1e-6);
 
-/// A wired port at x: rate() is the derivative of u, add_condensed() is J1^T K J2 with the J1 of add_force().
-/// `values` and `handle(a, b)` as wired; the port's nodes must cover rows 0 .. x.size() - 1 of one dense block.
+/// A wired port at x: rate() is the derivative of u, add_condensed() is J1^T K J2 with the J1 of add_force(). It is wired
+/// to a graph of its nodes alone, in natural order: one node, or two of one row each. Others are called wrong.
 template <class Port>
 DerivativeReport check_port(Port& port, std::span<const double> x, double step = 1e-6) {
   const int n = static_cast<int>(x.size());

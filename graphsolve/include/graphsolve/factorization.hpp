@@ -141,8 +141,8 @@ class Factorization {
     int sweeps = 0;
     double backward_error = 0;  ///< componentwise: max |A x - b| / (|A| |x| + |b|)
   };
-  /// x := refined solution of A x = b, until the componentwise backward error is <= 4 eps or no longer falls, the
-  /// residual being taken in twice the precision where it stops falling in the plain one. b is not changed. Needs the kept matrix; throws std::logic_error where none was allowed.
+  /// x := refined solution of A x = b, until the componentwise backward error is <= 4 eps or no longer falls, in twice
+  /// the precision where it must be. b stays. Needs the kept matrix; throws std::logic_error where none was allowed.
   Refinement refine(std::span<const double> b, std::span<double> x, int max_sweeps = 3);
   /// Several components, each until its own error is good; returns the most sweeps and the largest error.
   Refinement refine(std::span<const double> b, std::span<double> x, std::span<const int> components, int max_sweeps);

@@ -39,8 +39,8 @@ struct Profile {
   double evaluate = 0, factorize = 0, solve = 0;
 };
 
-/// Primal-dual interior point (Mehrotra predictor-corrector) on the graph. Every connected component has its
-/// own barrier, step length and end; components without an active port run plain Newton.
+/// Primal-dual interior point (Mehrotra predictor-corrector) on the graph. Every connected component has a barrier, step
+/// length and end of its own; without an active port plain Newton. symbolic: of problem.graph() after every add().
 /// Allocates in the constructor only. Laws keep their private unknowns between solves: the next solve starts warm.
 class InteriorPoint {
  public:

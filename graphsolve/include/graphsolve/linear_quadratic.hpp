@@ -14,7 +14,7 @@ class QuadraticCost final : public Term {
   /// hessian: symmetric n x n with n the sum of the nodes' dimensions, column-major; empty: zero.
   /// gradient: c, n entries; empty: zero.  Lengths are checked by wire(), which throws std::invalid_argument.
   void add(std::span<const NodeId> nodes, std::span<const double> hessian, std::span<const double> gradient = {});
-  /// One node, H diagonal.
+  /// One node, H diagonal: weight and, where given, c by component, as many as the node's dimension.
   void add_diagonal(NodeId node, std::span<const double> weight, std::span<const double> gradient = {});
 
   [[nodiscard]] int size() const override { return static_cast<int>(costs_.size()); }

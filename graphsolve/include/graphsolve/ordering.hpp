@@ -17,11 +17,11 @@ namespace graphsolve {
 ///   for one across a full-column-rank edge whose other semidefinite neighbours had all been eliminated before.
 ///   Nobody waits for shared nodes.
 ///
-/// Under it no pivot block of a regular saddle system with monotone terms is singular: the eliminated rows of J are
-/// independent on the eliminated columns (block triangular in the private hosts, for the others complete rows, complete
-/// but for shared nodes, without which they are independent by the promise that the kind is), and
-/// so are the costless columns on the eliminated rows. An order that knows nothing of the rule is repaired by
-/// deferring the ineligible node until it becomes eligible.
+/// Under it no pivot of a regular saddle system is singular whose terms are positive definite on all regular nodes
+/// together (a network that only a constraint on one node holds is not): the eliminated rows of J are independent on
+/// the eliminated columns (block triangular in the private hosts, for the others complete rows, but for shared nodes,
+/// as that kind promises), and so are the costless columns on the eliminated rows. An order that knows nothing of the
+/// rule is repaired by deferring the ineligible node until it becomes eligible.
 ///
 /// Without semidefinite nodes some node is always eligible. With them all may come to wait for each other: in
 /// [0 -J^T; J 0] no block by itself can be a pivot, and an order may use up a host while several saddle nodes wait at

@@ -9,7 +9,7 @@ enum class [[nodiscard]] Status {
   solved,             ///< the natural residual is below the tolerance
   max_iterations,     ///< still moving when the iterations ran out
   stalled,            ///< the step length went to zero: no progress possible from any of the starts tried
-  singular,           ///< a pivot block is singular and its right-hand side is not in its range
+  singular,           ///< a pivot block is singular: an undetermined unknown, contradictions, or an order that errs
   not_finite,         ///< NaN or infinity in the data
   step_bound,         ///< the solution lies beyond the bound on the step
 };

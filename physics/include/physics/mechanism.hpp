@@ -87,7 +87,7 @@ struct Joint {
   Extras extras;
 };
 
-enum class FrictionModel { pyramid, aligned };
+enum class FrictionModel { pyramid, aligned };  ///< first direction fixed, or along the slip when a step begins
 
 /// A contact point of a body against a fixed plane.
 struct Contact {
