@@ -2,8 +2,9 @@
 //
 //   minimise  sum_e c_e q_e   over the flows q   subject to  outflow - inflow = supply at every town,  0 <= q_e <= cap_e
 //
-// Roads without quadratic cost have nothing on their diagonal: semidefinite nodes. All supplies together are zero, so one
-// conservation row depends on the others, and prices are known up to a constant; nothing has to be done about it. Run: build/release/bin/network_flow.
+// Roads without quadratic cost have nothing on their diagonal: semidefinite nodes. All supplies together are zero, so
+// one conservation row depends on the others, and prices are known up to a constant; nothing has to be done about it.
+// Run: build/release/bin/network_flow.
 //
 // Checked in the output, by code that does not know the solver: with whole supplies and capacities the least cost
 // is reached by whole flows; and the duality gap  sum_e (reduced cost)+ q_e + (reduced cost)- (cap_e - q_e),
