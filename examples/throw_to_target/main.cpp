@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "physics/gradients.hpp"
@@ -27,16 +28,17 @@ struct Slide {
   Eigen::Matrix2d by_velocity;  // of the end by the first velocity
 };
 
-Slide slide(const Eigen::Vector2d& velocity) {
+/// None where a step failed or has no derivative.
+std::optional<Slide> slide(const Eigen::Vector2d& velocity) {
   Mechanism scene = scenes::sliding_box({.friction = 0.3});
   scene.bodies[0].position.head<2>().setZero();
   scene.bodies[0].velocity = {velocity.x(), velocity.y(), 0};
   Simulator simulator(scene);
   std::vector<StepGradient> tape;
   for (int k = 0; k < steps; ++k) {
-    if (!simulator.step().ok()) return {};
+    if (!simulator.step().ok()) return std::nullopt;
     tape.emplace_back(simulator, GradientSettings{.friction_basis = FrictionBasis::following});
-    if (tape.back().evaluate() != GradientStatus::ready) return {};
+    if (tape.back().evaluate() != GradientStatus::ready) return std::nullopt;
   }
   Slide result;
   result.end = tape.back().position(0).head<2>();
@@ -58,15 +60,17 @@ int main() {
   const Eigen::Vector2d mark(0.4, 0.3);
   Eigen::Vector2d velocity(0.5, -0.5);
   for (int k = 0; k < 12; ++k) {
-    const Slide at = slide(velocity);
-    const Eigen::Vector2d miss = at.end - mark;
+    const std::optional<Slide> at = slide(velocity);
+    if (!at) break;
+    const Eigen::Vector2d miss = at->end - mark;
     std::printf("pushed at (%+.4f, %+.4f) m/s it stops at (%+.6f, %+.6f) m and misses by %.1e m\n", velocity.x(),
-                velocity.y(), at.end.x(), at.end.y(), miss.norm());
+                velocity.y(), at->end.x(), at->end.y(), miss.norm());
     if (miss.norm() < 1e-6) {
-      std::printf("found: %.3f m/s at %.2f degrees\n", velocity.norm(), std::atan2(velocity.y(), velocity.x()) * 180 / std::numbers::pi);
+      std::printf("found: %.3f m/s at %.2f degrees\n", velocity.norm(),
+                  std::atan2(velocity.y(), velocity.x()) * 180 / std::numbers::pi);
       return 0;
     }
-    Eigen::Vector2d change = -at.by_velocity.fullPivLu().solve(miss);
+    Eigen::Vector2d change = -at->by_velocity.fullPivLu().solve(miss);
     if (change.norm() > 1) change *= 1 / change.norm();  // one m/s per try
     velocity += change;
   }
