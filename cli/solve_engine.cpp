@@ -198,13 +198,14 @@ bool try_robust(const Run& run) {
   attempt.setup_seconds = ready - start;
   attempt.factor_seconds = factored - ready;
   std::vector<double> right(run.rows()), solution(run.rows());
-  bool solved = true;
+  bool solved = true, as_it_is = true;  // the matrix was factored on every column's rung as it is
   for (int c = 0; c < run.columns && solved; ++c) {
     run.source.blocks.to_graph(run.column_of_b(c), right);
     const RobustSolver::Report report = solver.solve(right, solution);
     solved = report.status == Status::solved;
     attempt.method = fmt::format("robust: {}", name(report.rung));
     attempt.reason = report.why;
+    as_it_is = as_it_is && report.rung == Rung::factorization;
     if (solved) run.source.blocks.to_matrix(solution, run.column_of_x(c));
   }
   attempt.solve_seconds = cpu_seconds() - factored;
@@ -214,8 +215,12 @@ bool try_robust(const Run& run) {
     attempt.trouble = "no solution found";
     attempt.error = {std::nan(""), std::nan("")};
   }
-  if (!attempt.trouble.empty())
-    explain(run, diagnose(run.source.blocks.graph, solver.factorization(), attempt.outcome));
+  // Solved on the first rung, rows left out or boosted: is it singular? As after an attempt without the chain.
+  const bool doubtful = as_it_is && attempt.outcome.ok() && attempt.outcome.dropped_rows + attempt.outcome.boosts > 0;
+  if (!attempt.trouble.empty() || doubtful) {
+    const Diagnosis diagnosis = diagnose(run.source.blocks.graph, solver.factorization(), attempt.outcome);
+    if (!attempt.trouble.empty() || is_singular(diagnosis, attempt.outcome)) explain(run, diagnosis);
+  }
   run.result.attempts.push_back(attempt);
   return attempt.trouble.empty();
 }
@@ -234,13 +239,12 @@ SolveResult solve_system(const MatrixSource& source, std::span<const double> b, 
     result.diagnosis.clear();
     if ((good = try_graph(run, symbolic, kind))) break;
   }
-  // Rows left out by a factorization that then leaves no residual are dependent; a large residual may have made them.
-  const bool dependent = good && !result.diagnosis.empty();
   if (!good) {
     result.diagnosis.clear();
     good = try_robust(run);
   }
-  result.solved = good && !dependent;
+  // Rows left out by a factorization that then leaves no residual are dependent; a large residual may have made them.
+  result.solved = good && result.diagnosis.empty();
   return result;
 }
 
