@@ -121,7 +121,8 @@ void InteriorPoint::evaluate_ports() {
   }
 }
 
-/// False when some component has a singular block.
+/// With the first direction of the iteration, solved in the same pass: factors are still in the cache. False when some
+/// component has a singular block.
 bool InteriorPoint::factorize() {
   const auto ports = problem_.ports();
   double* values = factorization_.values().data();
@@ -130,11 +131,14 @@ bool InteriorPoint::factorize() {
   for (const int c : running_) ratio_[c] = scale_[c] * std::max(stiffest, stiffest_move / error_[c]);
   for (std::size_t b = 0; b < ports.size(); ++b)
     if (!port_lists_[b].running.empty()) ports[b]->condense(running(port_lists_[b]), ratio_, values);
+  first_target();
+  right_hand_side();
   bool regular = true;
-  bool keep = false;
-  for (const int c : running_) keep = keep || refine_[c];
+  const bool keep = std::ranges::any_of(running_, [&](int c) { return refine_[c] != 0; });
   factorization_.keep_matrix(keep);
-  factorization_.factorize(running_, outcomes_);
+  if (keep) factorization_.factorize(running_, outcomes_);
+  else factorization_.factorize_and_solve(running_, outcomes_, dx_);
+  solved_ = !keep;
   for (const int c : running_) {
     const auto& outcome = outcomes_[c];
     reports_[c].dropped_rows = outcome.dropped_rows;
@@ -161,15 +165,19 @@ void InteriorPoint::right_hand_side() {
       ports[b]->right_hand_side(running(port_lists_[b]), mu_, correction_, dx_);
 }
 
+/// What factorize() has not done yet.
 void InteriorPoint::solve_linear() {
-  refining_.clear();
-  for (const int c : running_)
-    if (refine_[c]) {
-      refining_.push_back(c);
-      copy_rows(rows_of(c), dx_, rhs_);
-    }
-  factorization_.solve_components(dx_, running_);
-  if (!refining_.empty()) (void)factorization_.refine(rhs_, dx_, refining_, 2);
+  if (!solved_) {
+    refining_.clear();
+    for (const int c : running_)
+      if (refine_[c]) {
+        refining_.push_back(c);
+        copy_rows(rows_of(c), dx_, rhs_);
+      }
+    factorization_.solve_components(dx_, running_);
+    if (!refining_.empty()) (void)factorization_.refine(rhs_, dx_, refining_, 2);
+  }
+  solved_ = false;
   const auto ports = problem_.ports();
   for (std::size_t b = 0; b < ports.size(); ++b)
     if (!port_lists_[b].running.empty()) ports[b]->recover(running(port_lists_[b]), dx_, ratio_);
@@ -180,38 +188,45 @@ bool InteriorPoint::straight_to_floor(int c) const {
   return error_[c] < affine_from && !(last_alpha_[c] < centre_below);
 }
 
-/// Predictor: how far does the step to mu = 0 lead? Sets mu and the weight of the second-order term.
-void InteriorPoint::affine_step() {
-  bool wanted = false;
+/// Without a predictor. One pair that lags behind jams at its bound when the others' targets fall faster than the residual
+/// does.
+double InteriorPoint::floor_target(int c) const {
+  return std::max(mu_floor_[c], superlinear * port_error_[c] * port_error_[c] * scale_[c]);
+}
+
+/// Of the iteration's first direction: mu = 0 where some component wants a predictor, else where all go.
+void InteriorPoint::first_target() {
+  predicts_ = false;
   for (const int c : running_) {
     ratio_[c] = mu_[c] = correction_[c] = 0;
     last_alpha_[c] = alpha_[c];
-    if (degree_[c] > 0 && !straight_to_floor(c)) wanted = true;
+    if (degree_[c] > 0 && !straight_to_floor(c)) predicts_ = true;
   }
-  if (wanted) {
-    right_hand_side();
-    solve_linear();
-  }
+  for (const int c : running_)
+    if (!predicts_ && degree_[c] > 0) mu_[c] = floor_target(c);
+}
+
+/// Predictor: how far does the step to mu = 0 lead? Sets mu and the weight of the second-order term.
+void InteriorPoint::affine_step() {
+  if (!predicts_) return;
+  solve_linear();
   const auto ports = problem_.ports();
   const auto sum_products = [&] {
     for (const int c : running_) sum_[c] = 0;
     for (std::size_t b = 0; b < ports.size(); ++b)
       if (!port_lists_[b].running.empty()) ports[b]->complementarity(running(port_lists_[b]), alpha_, sum_);
   };
-  if (wanted) {
-    for (const int c : running_) alpha_[c] = 0;
-    sum_products();
-    for (const int c : running_) {
-      mu_[c] = sum_[c];
-      alpha_[c] = std::min(1.0, 1.0 / ratio_[c]);
-    }
-    sum_products();
+  for (const int c : running_) alpha_[c] = 0;
+  sum_products();
+  for (const int c : running_) {
+    mu_[c] = sum_[c];
+    alpha_[c] = std::min(1.0, 1.0 / ratio_[c]);
   }
+  sum_products();
   for (const int c : running_) {
     if (degree_[c] == 0) continue;
     if (straight_to_floor(c)) {
-      // One pair that lags behind jams at its bound when the others' targets fall faster than the residual does.
-      mu_[c] = std::max(mu_floor_[c], superlinear * port_error_[c] * port_error_[c] * scale_[c]);
+      mu_[c] = floor_target(c);
       continue;
     }
     const double nu = mu_[c] / degree_[c], nu_affine = sum_[c] / degree_[c];
@@ -224,8 +239,10 @@ void InteriorPoint::affine_step() {
 }
 
 void InteriorPoint::combined_step() {
-  for (const int c : running_) ratio_[c] = 0;
-  right_hand_side();
+  if (predicts_) {
+    for (const int c : running_) ratio_[c] = 0;
+    right_hand_side();
+  }
   solve_linear();
 }
 

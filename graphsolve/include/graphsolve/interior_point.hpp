@@ -133,6 +133,8 @@ class InteriorPoint {
   void blame(int component);
   bool factorize();
   [[nodiscard]] bool straight_to_floor(int component) const;
+  [[nodiscard]] double floor_target(int component) const;
+  void first_target();
   void affine_step();
   void combined_step();
   void take_step();
@@ -173,6 +175,8 @@ class InteriorPoint {
   bool restarted_ = false;
   bool scales_known_ = false;  ///< of all running components
   bool linearized_ = false;    ///< the matrix was evaluated at x_
+  bool predicts_ = false;      ///< some component wants a predictor in this iteration
+  bool solved_ = false;        ///< dx_ was solved for while the matrix was factored
   bool undone_ = false;  ///< some component went back by a step
   Profile* profile_ = nullptr;
 };
