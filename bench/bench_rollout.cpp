@@ -79,7 +79,7 @@ void batch(benchmark::State& state, const std::string& spec, int steps) {
 
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   (void)bench::set_up();
   const auto add = [](const char* name, const char* spec, int steps) {
     benchmark::RegisterBenchmark(name, batch, spec, steps)

@@ -51,11 +51,17 @@ int main(int argc, char** argv) {
   app.add_option("--family", options.families, "only these");
   app.add_flag("!--no-certify", options.certify, "do not judge every step by the certificate");
   app.add_option("--json", json, "also write the figures to this file");
-  CLI11_PARSE(app, argc, argv);
   const auto wrong = [](const std::string& what) {
     std::cerr << "campaign: " << what << '\n';
     return 2;
   };
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    return wrong(std::string(error.what()) + " (see 'campaign --help')");
+  }
   try {
     std::ofstream file;
     if (!json.empty()) file.open(json);

@@ -121,7 +121,11 @@ void report(const char* what, const std::vector<Sample>& list, Predict&& predict
 
 }  // namespace
 
-int main() {
+int main(int argc, char**) {
+  if (argc > 1) {
+    std::fprintf(stderr, "fit_supernodes: takes no arguments; it measures for a minute, then prints the weights of this machine\n");
+    return 2;
+  }
   const std::vector<Sample> list = samples();
   const FactorWork weights = fit(list);
   std::printf("unit %.0f ns, %zu factorizations; weights [ns]:", 1e9 * bench::measure_unit(), list.size());

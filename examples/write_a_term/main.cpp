@@ -53,14 +53,13 @@ void check_derivatives() {
   const std::vector<double> x{2.5, -1.5, 1.7};
   std::printf("term: %s\n", verdict(check_terms(problem, x), 1e-8));
 
-  // A port is checked where its nodes are all there is: rows 0 and 1 of one dense block.
   BlockGraph pair;
   const NodeId a = pair.add_node("a", 1), b = pair.add_node("b", 1);
   pair.add_edge(a, b);
   const Symbolic symbolic(pair, natural_ordering(pair));
   Across port(a, b, diode_volt);
   port.wire(Wiring(symbolic, pair));
-  std::printf("port: %s\n", verdict(check_port(port, std::vector{0.4, 0.1}), 1e-9));
+  std::printf("port: %s\n", verdict(check_port(port, symbolic, std::vector{0.4, 0.1}), 1e-9));
 
   Interval law(limit_volt);
   law.start_cold(0.7, 1);

@@ -24,7 +24,8 @@ std::string_view explanation(Status status) {
       return "no step made progress from any of the starts tried; the problem may have no solution near here: make a "
              "smaller change per solve";
     case Status::singular:
-      return "a pivot block is singular; look for constraints that contradict each other";
+      return "a pivot block is singular; look for constraints that contradict each other, unknowns that nothing determines, and "
+             "nodes of a wrong kind: diagnose() names the block";
     case Status::not_finite:
       return "a value became NaN or infinite; look for infinite or NaN input, or make a smaller change per solve";
     case Status::step_bound:

@@ -33,7 +33,7 @@ void Bodies::add(const RigidBody& body, graphsolve::NodeId node) {
 }
 
 void Bodies::move_to(std::vector<int> places) {
-  const int octets = octets_for(1 + *std::max_element(places.begin(), places.end()));
+  const int octets = octets_with(places);
   const auto before = std::exchange(octets_, std::vector<BodyOctet>(octets + 1, BodyOctet::at_origin()));
   for (std::size_t i = 0; i < places.size(); ++i)
     copy_lane(before[octet_of(place_[i])], lane_of(place_[i]), octets_[octet_of(places[i])], lane_of(places[i]));

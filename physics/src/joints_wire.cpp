@@ -30,7 +30,7 @@ void Joints::wire(const graphsolve::Wiring& wiring) {
 
 /// Makes octets for these places, by joint. Motors and force directions come along from where they were.
 void Joints::move_to(std::span<const int> places) {
-  const int octets = octets_for(1 + *std::max_element(places.begin(), places.end()));
+  const int octets = octets_with(places);
   const auto octets_before = std::exchange(octets_, std::vector<JointOctet>(octets));
   const auto motors_before = std::exchange(motors_, {});
   const auto forces_before = std::exchange(forces_, {});

@@ -14,7 +14,7 @@ void PyramidContacts::wire(const graphsolve::Wiring& wiring) {
   std::vector<Placed> placed;
   for (const Seat& seat : seats_) placed.push_back({0, wiring.block(seat.node, seat.node)});
   place_ = places_in_octets(placed);
-  const int octets = octets_for(1 + *std::max_element(place_.begin(), place_.end()));
+  const int octets = octets_with(place_);
   octets_.assign(octets, {});
   groups_.resize(octets);
   blocks_.assign(octets, {});

@@ -314,6 +314,53 @@ TEST(DerivativeCheck, NonnegativeLawAndBoundPortAreConsistent) {
   EXPECT_LE(check_port(bound, x).largest_error, 1e-9);
 }
 
+/// u = x_a + 2 y_b - 3 x_c of nodes of one, two and one rows. `wrong`: its condensed block of b and c is transposed in sign.
+struct Three {
+  static constexpr int rows = 1;
+  static constexpr std::array slope{1.0, 2.0, -3.0};
+  std::array<NodeId, 3> nodes;
+  bool wrong = false;
+  std::array<int, 3> row{};
+  std::int64_t place[3][3] = {};
+
+  void wire(const Wiring& wiring) {
+    for (int a = 0; a < 3; ++a) {
+      row[a] = wiring.row(nodes[a]) + (a == 1 ? 1 : 0);
+      for (int b = 0; b < 3; ++b) place[a][b] = wiring.block(nodes[a], nodes[b]).place(a == 1 ? 1 : 0, b == 1 ? 1 : 0);
+    }
+  }
+  void evaluate(std::span<const double> x, double* u) const { rate(x.data(), u); }
+  void rate(const double* dx, double* du) const {
+    du[0] = 0;
+    for (int a = 0; a < 3; ++a) du[0] += slope[a] * dx[row[a]];
+  }
+  void add_force(const double* f, double* residual, double sign) const {
+    for (int a = 0; a < 3; ++a) residual[row[a]] += sign * slope[a] * f[0];
+  }
+  void add_condensed(const double* k, double* values) const {
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b) values[place[a][b]] += (wrong && a == 1 && b == 2 ? -1 : 1) * slope[a] * k[0] * slope[b];
+  }
+};
+
+TEST(DerivativeCheck, JudgesAPortOverSeveralNodesOfAGraphThatHasMore) {
+  BlockGraph graph;
+  const NodeId a = graph.add_node("a", 1), other = graph.add_node("other", 3), b = graph.add_node("b", 2), c = graph.add_node("c", 1);
+  graph.add_edge(a, b);
+  graph.add_edge(b, c);
+  graph.add_edge(a, c);
+  graph.add_edge(other, b);
+  const Symbolic symbolic(graph, minimum_fill_ordering(graph));
+  const std::vector<double> x{0.1, 7, 8, 9, 0.2, 0.3, 0.4};
+  for (const bool wrong : {false, true}) {
+    Three port{{a, b, c}, wrong};
+    port.wire(Wiring(symbolic, graph));
+    const DerivativeReport report = check_port(port, symbolic, x);
+    if (!wrong) EXPECT_LE(report.largest_error, 1e-9) << report.where;
+    else EXPECT_EQ(report.where, "condensed entry 5, 6");
+  }
+}
+
 TEST(Status, EveryOneHasANameAndAllButSolvedAnExplanation) {
   for (const Status status : {Status::solved, Status::max_iterations, Status::stalled, Status::singular,
                               Status::not_finite, Status::step_bound}) {

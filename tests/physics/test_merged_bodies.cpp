@@ -100,4 +100,25 @@ TEST(MergedBodies, TumblingOnTheGroundPassTheCertificate) {
   EXPECT_LE(all.residual(), 1e-8) << all;
 }
 
+TEST(MergedBodies, ASceneWhereNothingMovesIsStepped) {
+  Mechanism empty;
+  empty.time_step = 0.01;
+  Mechanism held = empty;
+  Body body;
+  body.name = "post";
+  body.mass = 1;
+  body.inertia = Vec3(1, 1, 1).asDiagonal();
+  held.add(body);
+  Joint joint;
+  joint.name = "weld";
+  joint.type = JointType::fixed;
+  joint.child = {0};
+  held.add(joint);
+  for (const Mechanism& scene : {empty, held}) {
+    Simulator simulator(scene);
+    for (int k = 0; k < 3; ++k) EXPECT_TRUE(simulator.step().ok());
+    EXPECT_EQ(simulator.energy(), 0);
+  }
+}
+
 }  // namespace

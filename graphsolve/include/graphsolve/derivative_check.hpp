@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "graphsolve/problem.hpp"
+#include "graphsolve/symbolic.hpp"
 
 /// Checks for whoever writes a Term, a Port or a Law: compare what they say with central differences.
 namespace graphsolve {
@@ -23,10 +24,10 @@ struct DerivativeReport {
 /// Costs one evaluation per unknown: for small problems.
 DerivativeReport check_terms(Problem& problem, std::span<const double> x, double step = 1e-6);
 
-/// A wired port at x: rate() is the derivative of u, add_condensed() is J1^T K J2 with the J1 of add_force(). It is wired
-/// to a graph of its nodes alone, in natural order: one node, or two of one row each. Others are called wrong.
-template <class Port>
-DerivativeReport check_port(Port& port, std::span<const double> x, double step = 1e-6) {
+/// What check_port does: rate() is the derivative of u, add_condensed() is J1^T K J2 with the J1 of add_force(). entry(values, i, j)
+/// reads entry (i, j) of the matrix.
+template <class Port, class Entry>
+DerivativeReport check_port_by_entries(Port& port, std::span<const double> x, std::size_t values_size, Entry&& entry, double step) {
   const int n = static_cast<int>(x.size());
   constexpr int rows = Port::rows;
   DerivativeReport report;
@@ -50,7 +51,7 @@ DerivativeReport check_port(Port& port, std::span<const double> x, double step =
     }
   }
   // add_condensed against add_force and rate, column by column with unit K.
-  std::vector<double> values(static_cast<std::size_t>(n) * n), force(n);
+  std::vector<double> values(values_size), force(n);
   for (int r = 0; r < rows; ++r)
     for (int s = 0; s < rows; ++s) {
       double k[rows * rows] = {}, f[rows] = {};
@@ -65,13 +66,35 @@ DerivativeReport check_port(Port& port, std::span<const double> x, double step =
         port.rate(direction.data(), given);
         direction[j] = 0;
         for (int i = 0; i < n; ++i) {
-          const double error = std::abs(values[j * n + i] - force[i] * given[s]);
+          const double error = std::abs(entry(values, i, j) - force[i] * given[s]);
           if (!report.worsened_by(error)) continue;
           report = {error, "condensed entry " + std::to_string(i) + ", " + std::to_string(j)};
         }
       }
     }
   return report;
+}
+
+/// A port that is wired by this Symbolic, at x, a vector of all rows of its graph.
+template <class Port>
+DerivativeReport check_port(Port& port, const Symbolic& symbolic, std::span<const double> x, double step = 1e-6) {
+  std::vector<int> pivot(x.size());
+  for (int k = 0; k < symbolic.pivots(); ++k) std::fill_n(pivot.begin() + symbolic.row(k), symbolic.dimension(k), k);
+  const auto entry = [&](const std::vector<double>& values, int i, int j) {
+    const int a = pivot[i], b = pivot[j], first = std::min(a, b), last = std::max(a, b);
+    const auto coupled = symbolic.coupled(first);
+    if (first != last && !std::binary_search(coupled.begin(), coupled.end(), last)) return 0.0;
+    const BlockHandle block = symbolic.block(symbolic.node(a), symbolic.node(b));
+    return values[block.place(i - symbolic.row(a), j - symbolic.row(b))];
+  };
+  return check_port_by_entries(port, x, static_cast<std::size_t>(symbolic.values_size()), entry, step);
+}
+
+/// A port that is wired to a graph of one node.
+template <class Port>
+DerivativeReport check_port(Port& port, std::span<const double> x, double step = 1e-6) {
+  const std::size_t n = x.size();
+  return check_port_by_entries(port, x, n * n, [&](const std::vector<double>& values, int i, int j) { return values[j * n + i]; }, step);
 }
 
 /// A law at u: one Newton step towards mu, taken by a small part alpha, must lower every local residual to

@@ -24,6 +24,10 @@ struct alignas(64) Octet {
 constexpr int octet_of(int place) { return place / graphsolve::simd::lanes; }
 constexpr int lane_of(int place) { return place % graphsolve::simd::lanes; }
 constexpr int octets_for(int places) { return octet_of(places + graphsolve::simd::lanes - 1); }
+/// As many as have these places; none where nothing has one.
+inline int octets_with(std::span<const int> places) {
+  return places.empty() ? 0 : octets_for(1 + *std::max_element(places.begin(), places.end()));
+}
 
 /// All numbers of one lane of a structure of octets.
 template <class T>
