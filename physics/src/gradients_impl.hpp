@@ -5,13 +5,14 @@
 #include "graphsolve/factorization.hpp"
 #include "physics/gradients.hpp"
 #include "sensitivity.hpp"
+#include "simd/gradient_kernels.hpp"
 #include "stepper.hpp"
 
 namespace physics {
 
 struct StepGradient::Impl {
   /// Bodies whose velocities are the right-hand sides of one pass of jacobian().
-  static constexpr int bodies_per_pass = 4, pass_columns = 6 * bodies_per_pass;
+  static constexpr int bodies_per_pass = pass_columns / 6;
   /// Derivatives of the velocities of one pass, a column per input.
   using Pass = Eigen::Matrix<double, pass_columns, Eigen::Dynamic>;
 

@@ -59,17 +59,16 @@ void StepGradient::Impl::solve_pass(int first, int count) {
 
 void StepGradient::Impl::multiply_state() {
   const Sensitivity& d = sensitivity;
+  const SubtractProduct subtract = subtract_product();
+  const auto column = [](Pass& pass, int k) { return pass.data() + static_cast<std::ptrdiff_t>(k) * pass_columns; };
+  product.leftCols(12 * bodies()).setZero();
   for (int i = 0; i < bodies(); ++i) {
-    const auto y = transposed.middleCols<6>(row[i]);
-    product.middleCols<6>(12 * i).noalias() = -(y * d.pose[i]);
-    product.middleCols<6>(12 * i + 6).noalias() = -(y * d.velocity[i]);
+    const double* y = column(transposed, row[i]);
+    subtract(column(product, 12 * i), y, d.pose[i].data(), 6, 6);
+    subtract(column(product, 12 * i + 6), y, d.velocity[i].data(), 6, 6);
   }
-  for (const auto& block : d.across) {
-    auto target = product.middleCols<6>(12 * block.body);
-    if (block.rows == 6) target.noalias() -= transposed.middleCols<6>(block.row) * block.values;
-    else if (block.rows == 5) target.noalias() -= transposed.middleCols<5>(block.row) * block.values.topRows<5>();
-    else target.noalias() -= transposed.middleCols<3>(block.row) * block.values.topRows<3>();
-  }
+  for (const auto& block : d.across)
+    subtract(column(product, 12 * block.body), column(transposed, block.row), block.values.data(), block.values.outerStride(), block.rows);
 }
 
 /// product := derivative of the velocities of this pass by the input.
