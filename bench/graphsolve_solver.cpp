@@ -9,13 +9,14 @@ using namespace graphsolve;
 
 namespace {
 
-/// Where each entry of the matrix lies in the value array; row i of the matrix is row row_of[i] of the graph.
-std::vector<std::int64_t> places(const Eigen::SparseMatrix<double>& a, const BlockGraph& graph,
-                                 std::span<const int> row_of, const Symbolic& symbolic) {
+/// Where the entries of the matrix lie in the value array, all or those of the triangle that the symmetric kinds read; row i
+/// of the matrix is row row_of[i] of the graph.
+std::vector<EntryPlace> places(const Eigen::SparseMatrix<double>& a, const BlockGraph& graph, std::span<const int> row_of,
+                               const Symbolic& symbolic, FactorizationKind kind) {
   std::vector<int> node_of(graph.rows());
   for (int i = 0; i < graph.size(); ++i) std::fill_n(node_of.begin() + graph.row({i}), graph.dimension({i}), i);
-  std::vector<std::int64_t> place;
-  place.reserve(a.nonZeros());
+  std::vector<EntryPlace> place;
+  int k = 0;
   for (int j = 0; j < a.outerSize(); ++j) {
     const NodeId column{node_of[row_of[j]]};
     NodeId last;
@@ -24,9 +25,12 @@ std::vector<std::int64_t> places(const Eigen::SparseMatrix<double>& a, const Blo
       const NodeId row{node_of[row_of[entry.row()]]};
       if (row != last) handle = symbolic.block(row, column);
       last = row;
-      place.push_back(handle.place(row_of[entry.row()] - graph.row(row), row_of[j] - graph.row(column)));
+      const int i = row_of[entry.row()] - graph.row(row), c = row_of[j] - graph.row(column), own = k++;
+      const bool upper = row == column ? i < c : symbolic.position(row) < symbolic.position(column);
+      if (kind == FactorizationKind::ldu || !upper) place.push_back({own, handle.place(i, c)});
     }
   }
+  place.shrink_to_fit();
   return place;
 }
 
@@ -72,11 +76,12 @@ baselines::Status GraphsolveSolver::analyze(const Eigen::SparseMatrix<double>& a
 
 void GraphsolveSolver::write(std::span<const double> values) {
   if (place_.empty())
-    place_ = way_.nodes == Nodes::merged ? places(*pattern_, merged_.graph, merged_.row_of, symbolic())
-                                         : places(*pattern_, graph_, rows_as_given(graph_.rows()), symbolic());
+    place_ = way_.nodes == Nodes::merged
+                 ? places(*pattern_, merged_.graph, merged_.row_of, symbolic(), way_.kind)
+                 : places(*pattern_, graph_, rows_as_given(graph_.rows()), symbolic(), way_.kind);
   factorization_->set_zero();
   const std::span<double> to = factorization_->values();
-  for (std::size_t k = 0; k < values.size(); ++k) to[place_[k]] = values[k];
+  for (const auto& [entry, place] : place_) to[place] = values[entry];
 }
 
 baselines::Status GraphsolveSolver::refactor() {
@@ -139,13 +144,13 @@ Factorization::Refinement GraphsolveSolver::refine(std::span<const double> b, st
 
 baselines::Status RobustGraphsolve::analyze(const Eigen::SparseMatrix<double>& a) {
   solver_.emplace(graph_, RobustSolver::Options{.kind = kind_, .acceptable = 1e-15, .max_sweeps = 20});
-  place_ = places(a, graph_, rows_as_given(graph_.rows()), solver_->symbolic());
+  place_ = places(a, graph_, rows_as_given(graph_.rows()), solver_->symbolic(), FactorizationKind::ldu);  // both triangles
   return {};
 }
 
 void RobustGraphsolve::write(std::span<const double> values) {
   const std::span<double> to = solver_->values();
-  for (std::size_t k = 0; k < values.size(); ++k) to[place_[k]] = values[k];
+  for (const auto& [entry, place] : place_) to[place] = values[entry];
 }
 
 baselines::Status RobustGraphsolve::refactor() {

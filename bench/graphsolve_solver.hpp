@@ -28,6 +28,12 @@ struct Way {
   std::optional<graphsolve::simd::InstructionSet> set = {};  ///< for the whole process, from `analyze` on; default: the best
 };
 
+/// Entry of a sparse matrix, by number, and where it lies in a value array.
+struct EntryPlace {
+  int entry;
+  std::int64_t place;
+};
+
 /// graphsolve behind the interface of the packages it is compared with. `write` puts the numbers into the storage of
 /// the factorization, as a term does; `refactor` then works in place.
 class GraphsolveSolver final : public baselines::Baseline {
@@ -65,7 +71,7 @@ class GraphsolveSolver final : public baselines::Baseline {
   graphsolve::Supernodes merged_;  ///< empty when nodes are as given
   std::unique_ptr<graphsolve::Factorization> factorization_;
   const Eigen::SparseMatrix<double>* pattern_ = nullptr;
-  std::vector<std::int64_t> place_;  ///< per entry of the matrix: its place in the factorization's values
+  std::vector<EntryPlace> place_;  ///< in the factorization's values
   std::vector<double> right_, x_;    ///< in the numbering of the merged graph
   graphsolve::Factorization::Outcome outcome_;
 };
@@ -91,7 +97,7 @@ class RobustGraphsolve final : public baselines::Baseline {
   const graphsolve::BlockGraph& graph_;
   graphsolve::FactorizationKind kind_;
   std::optional<graphsolve::RobustSolver> solver_;
-  std::vector<std::int64_t> place_;  ///< per entry of the matrix: its place in the solver's values
+  std::vector<EntryPlace> place_;  ///< in the solver's values
   graphsolve::RobustSolver::Report report_;
 };
 

@@ -67,23 +67,17 @@ void Factorization::start(std::span<const int> components, std::span<Outcome> ou
 /// Copies the matrix before it is overwritten.
 void Factorization::keep() {
   assert(matrix_.capacity() >= values_.size() && "allow_refinement() before keep_matrix(true)");
-  const Symbolic& s = *symbolic_;
   matrix_.resize(values_.size());
   double largest = 0;
+  const auto copy = [&](std::int64_t at) {
+    matrix_[at] = values_[at];
+    largest = std::max(largest, std::abs(values_[at]));
+  };
   each_extent(
       [&](std::size_t, std::int64_t begin, std::int64_t end) {
-        for (auto i = begin; i < end; ++i) {
-          matrix_[i] = values_[i];
-          largest = std::max(largest, std::abs(values_[i]));
-        }
+        for (auto i = begin; i < end; ++i) copy(i);
       },
-      [&](int k) {
-        const Symbolic::Pivot& p = s.pivot(k);
-        for (std::int64_t i = 0, at = p.diagonal; i < p.scalars(); ++i, at += p.stride) {
-          matrix_[at] = values_[at];
-          largest = std::max(largest, std::abs(values_[at]));
-        }
-      });
+      [&](int k) { each_given(k, copy); });
   largest_entry_ = largest;
   if (symmetric()) each_active_pivot([&](int k) { mirror_matrix(k); });
 }
@@ -91,37 +85,41 @@ void Factorization::keep() {
 /// Largest entry of the blocks of a pivot, which no other pivot changes any more.
 double Factorization::largest_of(int k) const {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
-  const double* v = values_.data() + p.diagonal;
-  const int d = p.dimension, stride = p.stride;
-  std::int64_t i = 0, end = p.scalars();
+  const int d = p.dimension;
   double largest = 0;
-  if (symmetric()) {  // the other triangle is not kept up
-    for (int j = 0; j < d; ++j)
-      for (int r = j; r < d; ++r) largest = std::max(largest, std::abs(v[(j * d + r) * stride]));
-    i = d * d;
-    end = i + static_cast<std::int64_t>(d) * p.coupled_rows;
-  }
-  for (; i < end; ++i) largest = std::max(largest, std::abs(v[i * stride]));
+  const auto take = [&](const double* block, std::int64_t begin, std::int64_t end) {
+    for (auto i = begin; i < end; ++i) largest = std::max(largest, std::abs(block[i * p.stride]));
+  };
+  // The upper triangle of a symmetric matrix is not kept up.
+  for (int j = 0; j < d; ++j) take(values_.data() + p.diagonal, j * d + (symmetric() ? j : 0), (j + 1) * d);
+  take(values_.data() + p.lower, 0, p.upper_scalars());
+  if (!symmetric()) take(values_.data() + p.upper, 0, p.upper_scalars());
   return largest;
 }
 
 /// The blocks of a pivot, one scalar after the other: in place, or a copy.
 Factorization::PivotBlocks Factorization::open(int k) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
-  double* at = values_.data() + p.diagonal;
-  if (p.stride != 1) {
-    for (std::int64_t i = 0; i < p.scalars(); ++i) opened_[i] = at[i * p.stride];
-    at = opened_.data();
-  }
-  const std::int64_t d = p.dimension;
-  return {at, at + d * d, at + d * (d + p.coupled_rows)};
+  if (p.stride == 1) return {values_.data() + p.diagonal, values_.data() + p.lower, values_.data() + p.upper};
+  double* to = opened_.data();
+  gather(k, to);
+  return {to, to + p.dimension * p.dimension, to + p.lower_scalars()};
+}
+
+/// Diagonal block, blocks below, blocks to the right.
+void Factorization::gather(int k, double* to) const {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  const double *lower = values_.data() + p.diagonal, *upper = values_.data() + p.upper;
+  for (std::int64_t i = 0; i < p.lower_scalars(); ++i) *to++ = lower[i * p.stride];
+  for (std::int64_t i = 0; i < p.upper_scalars(); ++i) *to++ = upper[i * p.stride];
 }
 
 void Factorization::close(int k, const PivotBlocks& blocks) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
-  double* to = values_.data() + p.diagonal;
   if (p.stride == 1) return;
-  for (std::int64_t i = 0; i < p.scalars(); ++i) to[i * p.stride] = blocks.diagonal[i];
+  double *lower = values_.data() + p.diagonal, *upper = values_.data() + p.upper;
+  for (std::int64_t i = 0; i < p.lower_scalars(); ++i) lower[i * p.stride] = blocks.diagonal[i];
+  for (std::int64_t i = 0; i < p.upper_scalars(); ++i) upper[i * p.stride] = blocks.upper[i];
 }
 
 /// Pivot k, or the group that it begins; nothing inside one.

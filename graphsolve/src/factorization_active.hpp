@@ -6,13 +6,17 @@
 /// What of a factorization takes part in a call.
 namespace graphsolve {
 
+/// Where in a group the numbers end that the user gives: of a symmetric matrix one triangle.
+inline std::int64_t given_end(const simd::Program::Group& group, bool symmetric) { return symmetric ? group.upper : group.end; }
+
 template <class F>
 void Factorization::each_active_pivot(F&& f) const {
   for (const int c : active_)
     for (int k = symbolic_->component_begin(c); k < symbolic_->component_begin(c + 1); ++k) f(k);
 }
 
-/// whole(group, begin, end) for ranges of the values of which everything takes part, of_pivot(k) elsewhere.
+/// whole(group, begin, end) for ranges of the values that the user gives where all of the group takes part, of_pivot(k)
+/// elsewhere.
 template <class Whole, class OfPivot>
 void Factorization::each_extent(Whole&& whole, OfPivot&& of_pivot) const {
   const Symbolic& s = *symbolic_;
@@ -20,7 +24,7 @@ void Factorization::each_extent(Whole&& whole, OfPivot&& of_pivot) const {
   for (std::size_t g = 0; g < groups.size(); ++g) {
     if (lanes_[g] == 0) continue;
     if (lanes_[g] == (1u << groups[g].copies) - 1) {
-      whole(g, groups[g].begin, groups[g].end);
+      whole(g, groups[g].begin, given_end(groups[g], symmetric()));
       continue;
     }
     for (int c = 0; c < groups[g].copies; ++c) {
@@ -29,6 +33,15 @@ void Factorization::each_extent(Whole&& whole, OfPivot&& of_pivot) const {
       for (int k = s.component_begin(component); k < s.component_begin(component + 1); ++k) of_pivot(k);
     }
   }
+}
+
+/// f(place) of every number of pivot k that the user gives.
+template <class F>
+void Factorization::each_given(int k, F&& f) const {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  for (std::int64_t i = 0; i < p.lower_scalars(); ++i) f(p.diagonal + i * p.stride);
+  if (symmetric()) return;
+  for (std::int64_t i = 0; i < p.upper_scalars(); ++i) f(p.upper + i * p.stride);
 }
 
 template <class F>

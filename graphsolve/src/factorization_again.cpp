@@ -2,7 +2,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "graphsolve/factorization.hpp"
+#include "factorization_active.hpp"
 
 /// Factoring again where only some nodes changed.
 namespace graphsolve {
@@ -47,12 +47,11 @@ void Factorization::collect_redone(std::span<const NodeId> changed) {
 }
 
 void Factorization::restore(int k) {
-  const Symbolic::Pivot& p = symbolic_->pivot(k);
   if (symmetric()) mirror_matrix(k);
-  for (std::int64_t i = 0, at = p.diagonal; i < p.scalars(); ++i, at += p.stride) {
+  each_given(k, [&](std::int64_t at) {
     values_[at] = matrix_[at];
     largest_entry_ = std::max(largest_entry_, std::abs(matrix_[at]));
-  }
+  });
   start_reference(k);
 }
 

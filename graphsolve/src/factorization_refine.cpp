@@ -68,7 +68,7 @@ void Factorization::residual(std::span<const double> b, std::span<const double> 
       [&](int number, unsigned lanes) {
         const simd::PivotPack& pack = program.pack(number);
         simd::subtract_product({.program = program, .pack = pack,
-                                .matrix = matrix_.data() + pack.place, .x = x.data(), .residual = residual_.data(),
+                                .matrix = matrix_.data(), .x = x.data(), .residual = residual_.data(),
                                 .magnitude = magnitude_.data(), .active = lanes});
       },
       [&](int k) { each_kept_block(k, subtract); });

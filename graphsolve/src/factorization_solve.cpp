@@ -170,7 +170,7 @@ void Factorization::solve_pack(int number, unsigned active, const Vectors& v, F&
   const simd::Program& program = symbolic_->program();
   const simd::PivotPack& pack = program.pack(number);
   const auto together = [&](unsigned lanes) {
-    f(simd::PackSolve{.program = program, .pack = pack, .factor = values_.data() + pack.place, .x = v.x, .result = v.result,
+    f(simd::PackSolve{.program = program, .pack = pack, .factor = values_.data(), .x = v.x, .result = v.result,
                       .active = lanes, .form = symmetric() ? simd::Form::ldlt : simd::Form::ldu});
   };
   if ((packed_[number] & active) == active) return together(active);

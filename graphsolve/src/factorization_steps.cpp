@@ -123,15 +123,16 @@ void Factorization::measure_growth(const simd::PivotPack& pack, unsigned active,
   const int d = shape.dimension, lanes = pack.lanes;
   const double* v = values_.data() + pack.place;
   double largest[simd::lanes] = {};
-  const auto take = [&](int begin, int end) {
+  const auto take = [&](const double* block, int begin, int end) {
     for (int i = begin; i < end; ++i)
-      for (int l = 0; l < lanes; ++l) largest[l] = std::max(largest[l], std::abs(v[i * lanes + l]));
+      for (int l = 0; l < lanes; ++l) largest[l] = std::max(largest[l], std::abs(block[i * lanes + l]));
   };
   if (symmetric()) {  // the other triangle is not kept up
-    for (int j = 0; j < d; ++j) take(j * (d + 1), (j + 1) * d);
-    take(d * d, d * (d + shape.coupled_rows));
+    for (int j = 0; j < d; ++j) take(v, j * (d + 1), (j + 1) * d);
+    take(v, d * d, shape.lower_size());
   } else {
-    take(0, shape.size());
+    take(v, 0, shape.lower_size());
+    take(values_.data() + pack.upper, 0, shape.upper_size());
   }
   for (int l = 0; l < lanes; ++l) {
     if (!(active >> l & 1u)) continue;
@@ -163,13 +164,9 @@ void Factorization::count_pack(const simd::PivotPack& pack, unsigned active, std
 /// Where the factor of a pivot can be read, one scalar after the other: with the values, or a copy.
 Factorization::PivotFactor Factorization::factor_of(int k, double* buffer) const {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
-  const double* at = values_.data() + p.diagonal;
-  if (p.stride != 1) {
-    for (std::int64_t i = 0; i < p.scalars(); ++i) buffer[i] = at[i * p.stride];
-    at = buffer;
-  }
-  const std::int64_t d = p.dimension;
-  return {at, at + d * d, at + d * (d + p.coupled_rows)};
+  if (p.stride == 1) return {values_.data() + p.diagonal, values_.data() + p.lower, values_.data() + p.upper};
+  gather(k, buffer);
+  return {buffer, buffer + p.dimension * p.dimension, buffer + p.lower_scalars()};
 }
 
 }  // namespace graphsolve

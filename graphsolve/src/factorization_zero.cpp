@@ -6,7 +6,10 @@
 /// Zeros before new numbers are added.
 namespace graphsolve {
 
-void Factorization::set_zero() { std::fill(values_.begin(), values_.end(), 0.0); }
+void Factorization::set_zero() {
+  for (const auto& group : symbolic_->program().groups())
+    std::fill(values_.begin() + group.begin, values_.begin() + given_end(group, symmetric()), 0.0);
+}
 
 void Factorization::set_zero(std::span<const int> components) {
   set_active(components);
@@ -18,11 +21,7 @@ void Factorization::set_zero(std::span<const int> components) {
         if (zeroed_begin_.empty()) return zero(begin, end);
         for (int i = zeroed_begin_[group]; i < zeroed_begin_[group + 1]; ++i) zero(zeroed_[i].begin, zeroed_[i].end);
       },
-      [&](int k) {
-        const Symbolic::Pivot& p = symbolic_->pivot(k);
-        double* to = values_.data() + p.diagonal;
-        for (std::int64_t i = 0; i < p.scalars(); ++i) to[i * p.stride] = 0;
-      });
+      [&](int k) { each_given(k, [&](std::int64_t at) { values_[at] = 0; }); });
 }
 
 /// What is left between the blocks. Of interleaved ones all lanes have to be named: the last lane's has its end where
@@ -48,11 +47,13 @@ void Factorization::leave_unzeroed(std::span<const BlockHandle> blocks) {
   std::size_t next = 0;
   for (const auto& group : groups) {
     std::int64_t begin = group.begin;
+    const std::int64_t end = given_end(group, symmetric());
     for (; next < left_out.size() && left_out[next].begin < group.end; ++next) {
+      if (left_out[next].begin >= end) continue;
       if (left_out[next].begin > begin) zeroed_.push_back({begin, left_out[next].begin});
       begin = left_out[next].end;
     }
-    if (begin < group.end) zeroed_.push_back({begin, group.end});
+    if (begin < end) zeroed_.push_back({begin, end});
     zeroed_begin_.push_back(static_cast<int>(zeroed_.size()));
   }
 }

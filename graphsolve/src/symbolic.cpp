@@ -48,12 +48,7 @@ Symbolic::Symbolic(const BlockGraph& graph, const Ordering& ordering, Packs pack
   plan_updates();
   program->find_targets(*this);
   program_ = program;
-  for (const auto& step : program_->steps()) {
-    const Pivot& p = pivots_[step.pack < 0 ? step.pivot : program_->pack(step.pack).pivot[0]];
-    const std::int64_t d = p.dimension, m = p.coupled_rows;
-    counts_.pack_operations += lu_operations(d) + d * m * (d + m);
-    counts_.symmetric_pack_operations += ldlt_pivot_operations(d, m);
-  }
+  count();
   count_memory();
 }
 
@@ -173,36 +168,58 @@ void Symbolic::find_structure(const BlockGraph& graph) {
   for (const int h : height) counts_.tree_height = std::max(counts_.tree_height, h);
 }
 
-/// One arena in the order of the program: diagonal block, blocks below, blocks to the right; of a pack interleaved.
+/// One arena, group after group of the program.
 void Symbolic::lay_out(simd::Program& program) {
-  for (int i = 0; i < static_cast<int>(program.groups().size()); ++i) {
-    if (packs_ == Packs::on) values_size_ = (values_size_ + simd::lanes - 1) / simd::lanes * simd::lanes;
-    const std::int64_t begin = values_size_;
-    for (const auto& step : program.steps(program.groups()[i])) {
-      if (step.pack < 0) {
-        place(step.pivot, values_size_, 1);
-        values_size_ += pivots_[step.pivot].scalars();
-        continue;
-      }
-      const simd::PivotPack& pack = program.pack(step.pack);
-      values_size_ = (values_size_ + pack.lanes - 1) / pack.lanes * pack.lanes;
-      program.set_place(step.pack, values_size_);
-      for (int l = 0; l < pack.lanes; ++l)
-        if (pack.used >> l & 1u) place(pack.pivot[l], values_size_ + l, pack.lanes);
-      values_size_ += pivots_[pack.pivot[0]].scalars() * pack.lanes;
-    }
-    program.set_extent(i, begin, values_size_);
-  }
+  for (int i = 0; i < static_cast<int>(program.groups().size()); ++i) lay_out_group(program, i);
   block_offset_.resize(coupled_.size());
   for (const Pivot& p : pivots_) {
-    const std::int64_t d = p.dimension, r = p.coupled_rows;
     std::int64_t offset = 0;
     for (int e = p.begin; e < p.end; ++e) {
       block_offset_[e] = offset;
-      const std::int64_t scalars = d * pivots_[coupled_[e]].dimension;
-      offset += scalars;
+      offset += static_cast<std::int64_t>(p.dimension) * pivots_[coupled_[e]].dimension;
+    }
+  }
+}
+
+/// In the order of the steps: of each the diagonal block and the blocks below, of a pack interleaved; then of each the blocks
+/// to the right. Symmetric factorizations leave most of those alone: cache lines and pages hold nothing else.
+void Symbolic::lay_out_group(simd::Program& program, int group) {
+  const auto round_up = [&](int to) { values_size_ = (values_size_ + to - 1) / to * to; };
+  // f(pivot, place, stride) for each pivot of a step; its scalars are so many from that place on.
+  const auto give_place = [&](const simd::Program::Step& step, std::int64_t (Pivot::*scalars)() const, auto&& f) {
+    if (step.pack < 0) {
+      f(pivots_[step.pivot], values_size_, 1);
+      values_size_ += (pivots_[step.pivot].*scalars)();
+      return;
+    }
+    const simd::PivotPack& pack = program.pack(step.pack);
+    round_up(pack.lanes);
+    for (int l = 0; l < pack.lanes; ++l)
+      if (pack.used >> l & 1u) f(pivots_[pack.pivot[l]], values_size_ + l, pack.lanes);
+    values_size_ += (pivots_[pack.pivot[0]].*scalars)() * pack.lanes;
+  };
+  const auto steps = program.steps(program.groups()[group]);
+  if (packs_ == Packs::on) round_up(simd::lanes);
+  const std::int64_t begin = values_size_;
+  for (const auto& step : steps)
+    give_place(step, &Pivot::lower_scalars, [](Pivot& p, std::int64_t place, int stride) {
+      p.stride = stride;
+      p.diagonal = place;
+      p.lower = place + static_cast<std::int64_t>(p.dimension) * p.dimension * stride;
+    });
+  if (packs_ == Packs::on) round_up(simd::lanes);
+  const std::int64_t upper = values_size_;
+  for (const auto& step : steps)
+    give_place(step, &Pivot::upper_scalars, [](Pivot& p, std::int64_t place, int) { p.upper = place; });
+  program.set_extent(group, begin, upper, values_size_);
+}
+
+void Symbolic::count() {
+  for (const Pivot& p : pivots_) {
+    const std::int64_t d = p.dimension, r = p.coupled_rows;
+    for (int e = p.begin; e < p.end; ++e) {
       if (fill_[e]) ++counts_.fill_blocks;
-      else counts_.matrix_scalars += 2 * scalars;
+      else counts_.matrix_scalars += 2 * d * pivots_[coupled_[e]].dimension;
     }
     counts_.matrix_scalars += d * d;
     counts_.stored_scalars += p.scalars();
@@ -212,15 +229,12 @@ void Symbolic::lay_out(simd::Program& program) {
     counts_.largest_front = std::max(counts_.largest_front, p.dimension + p.coupled_rows);
   }
   counts_.stored_blocks = pivots() + 2 * static_cast<std::int64_t>(coupled_.size());
-}
-
-void Symbolic::place(int pivot, std::int64_t offset, int stride) {
-  Pivot& p = pivots_[pivot];
-  const std::int64_t d = p.dimension;
-  p.stride = stride;
-  p.diagonal = offset;
-  p.lower = p.diagonal + d * d * stride;
-  p.upper = p.lower + d * p.coupled_rows * stride;
+  for (const auto& step : program_->steps()) {
+    const Pivot& p = pivots_[step.pack < 0 ? step.pivot : program_->pack(step.pack).pivot[0]];
+    const std::int64_t d = p.dimension, m = p.coupled_rows;
+    counts_.pack_operations += lu_operations(d) + d * m * (d + m);
+    counts_.symmetric_pack_operations += ldlt_pivot_operations(d, m);
+  }
 }
 
 /// Offsets of the blocks that the elimination of each pivot updates: for couplings i, j the block (i, j). A pivot often

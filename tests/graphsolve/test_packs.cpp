@@ -169,10 +169,12 @@ TEST(Packs, ComponentFactoredAgainLeavesTheOthersUsable) {
   f.set_zero(five);
   for (int k = symbolic->component_begin(5); k < symbolic->component_begin(6); ++k) {
     const Symbolic::Pivot& p = symbolic->pivot(k);
-    for (std::int64_t i = 0, at = p.diagonal; i < p.scalars(); ++i, at += p.stride) {
+    const auto take = [&](std::int64_t at) {
       EXPECT_EQ(f.values()[at], 0);
       f.values()[at] = fresh.values()[at];
-    }
+    };
+    for (std::int64_t i = 0; i < p.lower_scalars(); ++i) take(p.diagonal + i * p.stride);
+    for (std::int64_t i = 0; i < p.upper_scalars(); ++i) take(p.upper + i * p.stride);
   }
   std::vector<Factorization::Outcome> outcomes(symbolic->components());
   f.factorize(five, outcomes);

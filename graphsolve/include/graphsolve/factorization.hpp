@@ -62,6 +62,7 @@ class Factorization {
   [[nodiscard]] double& entry(const BlockHandle& handle, int row = 0, int column = 0) {
     return values_[handle.place(row, column)];
   }
+  /// What factorize() reads: of the symmetric kinds one triangle, the other is left as it is.
   void set_zero();
   void set_zero(std::span<const int> components);
   /// From now on set_zero(components) may leave these blocks as they are: somebody assigns all their entries. Throws
@@ -172,6 +173,8 @@ class Factorization {
   [[nodiscard]] bool takes_part(int pivot) const;
   template <class F>
   void each_active_pivot(F&& f) const;
+  template <class F>
+  void each_given(int k, F&& f) const;
   template <class Whole, class OfPivot>
   void each_extent(Whole&& whole, OfPivot&& of_pivot) const;
   // Before the elimination.
@@ -193,6 +196,7 @@ class Factorization {
   };
   [[nodiscard]] PivotBlocks open(int k);
   void close(int k, const PivotBlocks& blocks);
+  void gather(int k, double* to) const;
   [[nodiscard]] PivotFactor factor_of(int k, double* buffer) const;
   void eliminate_from(int k, Outcome& outcome);
   void eliminate_alone(int k, Outcome& outcome);

@@ -95,13 +95,16 @@ class Symbolic {
     int stride;             ///< from a scalar of its blocks to the next
     std::int64_t diagonal;  ///< offset of the diagonal block
     std::int64_t lower;     ///< offset of the blocks below it, one after the other
-    std::int64_t upper;     ///< offset of the blocks right of it, side by side
+    std::int64_t upper;     ///< offset of the blocks right of it, side by side; apart from the others
     std::int64_t targets;   ///< first of the offsets that its elimination updates
     int target_stride;      ///< of their rows
     /// Scalars in its diagonal block and both panels.
-    [[nodiscard]] std::int64_t scalars() const {
-      return static_cast<std::int64_t>(dimension) * (dimension + 2 * coupled_rows);
+    [[nodiscard]] std::int64_t scalars() const { return lower_scalars() + upper_scalars(); }
+    /// In its diagonal block and the panel below, which lie one after the other.
+    [[nodiscard]] std::int64_t lower_scalars() const {
+      return static_cast<std::int64_t>(dimension) * (dimension + coupled_rows);
     }
+    [[nodiscard]] std::int64_t upper_scalars() const { return static_cast<std::int64_t>(dimension) * coupled_rows; }
   };
   [[nodiscard]] const Pivot& pivot(int k) const { return pivots_[k]; }
   /// Offset of the block (coupling i, coupling j) at [i * p.target_stride + j].
@@ -113,7 +116,8 @@ class Symbolic {
   void find_uncertain(const BlockGraph& graph);
   void find_structure(const BlockGraph& graph);
   void lay_out(simd::Program& program);
-  void place(int pivot, std::int64_t offset, int stride);
+  void lay_out_group(simd::Program& program, int group);
+  void count();
   void plan_updates();
   void count_memory();
   [[nodiscard]] int find(int pivot, int later) const;

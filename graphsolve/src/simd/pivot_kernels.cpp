@@ -15,14 +15,14 @@ HWY_BEFORE_NAMESPACE();
 namespace graphsolve::simd::HWY_NAMESPACE {
 namespace {
 
-/// A pack's blocks where it may work on them: in place, or, where some of its lanes have to stay as they are, a copy that
-/// is written back lane by lane.
+/// A pack's diagonal block and those below where it may work on them: in place, or, where some of its lanes have to stay as
+/// they are, a copy that is written back lane by lane. The same for the blocks to the right.
 template <int L>
 class Workplace {
  public:
-  HWY_INLINE Workplace(const PackJob& job, int size)
-      : own_(job.numbers.values + job.pack.place), size_(size), active_(job.active),
-        whole_(job.active == job.pack.used), work_(whole_ ? own_ : job.numbers.scratch) {
+  HWY_INLINE Workplace(const PackJob& job, std::int64_t place, double* copy, int size)
+      : own_(job.numbers.values + place), size_(size), active_(job.active),
+        whole_(job.active == job.pack.used), work_(whole_ ? own_ : copy) {
     if (!whole_) std::copy_n(own_, size * L, work_);
   }
   HWY_INLINE double* blocks() const { return work_; }
@@ -191,16 +191,17 @@ HWY_INLINE unsigned factor_saddle(const PackJob& job, PackOf<L>* lu, int d) {
 template <int D, int L>
 unsigned eliminate_pack(const PackJob& job) {
   const Shape& shape = job.program.shape(job.pack);
-  const int d = D ? D : shape.dimension, m = shape.couplings(), coupled_rows = shape.coupled_rows;
-  const Workplace<L> place(job, shape.size());
+  const int d = D ? D : shape.dimension, m = shape.couplings();
+  const Workplace<L> place(job, job.pack.place, job.numbers.scratch, shape.lower_size());
   PackOf<L> lu[D ? D * D : largest_dimension * largest_dimension];
   load_diagonal<D>(place.blocks(), lu, d);
   const unsigned other = (shape.saddle ? factor_saddle<D>(job, lu, d) : factor<D>(lu, d)) & job.active;
   if (other != 0) return other;
   store_diagonal<D>(lu, place.blocks(), d);
   const double* lower = place.blocks() + d * d * L;
-  double* upper = place.blocks() + d * (d + coupled_rows) * L;
-  solve_all<D>(lu, upper, d, coupled_rows);
+  const Workplace<L> right(job, job.pack.upper, job.numbers.scratch + shape.lower_size() * L, shape.upper_size());
+  double* upper = right.blocks();
+  solve_all<D>(lu, upper, d, shape.coupled_rows);
   for (int i = 0, row = 0; i < m; row += shape.coupled[i++]) {
     const double* w = upper;
     for (int j = 0, column = 0; j < m; column += shape.coupled[j++]) {
@@ -211,6 +212,7 @@ unsigned eliminate_pack(const PackJob& job) {
   }
   if (job.pack.shares) subtract_all<L>(job, false);
   place.finish();
+  right.finish();
   return 0;
 }
 
@@ -233,8 +235,8 @@ HWY_INLINE void compared_with(const PackJob& job, Compared compared, const PackO
 template <int D, int L>
 unsigned eliminate_pack_symmetric(const PackJob& job, const Definite& definite, Watch watch) {
   const Shape& shape = job.program.shape(job.pack);
-  const int d = D ? D : shape.dimension, m = shape.couplings(), coupled_rows = shape.coupled_rows;
-  const Workplace<L> place(job, d * (d + coupled_rows));  // the upper triangle is nobody's
+  const int d = D ? D : shape.dimension, m = shape.couplings();
+  const Workplace<L> place(job, job.pack.place, job.numbers.scratch, shape.lower_size());
   PackOf<L> ldl[D ? D * D : largest_dimension * largest_dimension], reference[D ? D : largest_dimension];
   load_lower<D>(place.blocks(), ldl, d);
   compared_with<D>(job, definite.compared, ldl, reference, d);
@@ -242,7 +244,7 @@ unsigned eliminate_pack_symmetric(const PackJob& job, const Definite& definite, 
   if (other != 0) return other;
   store_lower<D>(ldl, place.blocks(), d);
   double* lower = place.blocks() + d * d * L;
-  double* all_w = job.numbers.scratch + d * (d + coupled_rows) * L;  // beyond a copy of the blocks
+  double* all_w = job.numbers.scratch + shape.lower_size() * L;  // beyond a copy of the blocks
   for (int i = 0, row = 0; i < m; row += shape.coupled[i++]) {
     const double* w = all_w;
     halve_panel<D>(ldl, lower, all_w + row * d * L, shape.coupled[i], d);

@@ -39,7 +39,7 @@ enum class Form { ldu, ldlt };
 struct PackSolve {
   const Program& program;
   const PivotPack& pack;
-  const double* factor;
+  const double* factor;  ///< values of all pivots
   double* x;       ///< in lanes
   double* result;  ///< the user's vector, which gets what is final; of the backward half only
   unsigned active;
@@ -50,7 +50,7 @@ struct PackSolve {
 struct PackResidual {
   const Program& program;
   const PivotPack& pack;
-  const double* matrix;  ///< of this pack, as it was before it was factored
+  const double* matrix;  ///< values of all pivots, as they were before they were factored
   const double* x;
   double *residual, *magnitude;
   unsigned active;

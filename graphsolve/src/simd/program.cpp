@@ -70,7 +70,7 @@ void Program::go_one_by_one(const Symbolic& s) {
   }
   for (int c = 0; c < s.components(); ++c) {
     group_of_[c] = c;
-    groups_.push_back({s.component_begin(c), s.component_begin(c + 1), 0, 0, 1, {c}});
+    groups_.push_back({s.component_begin(c), s.component_begin(c + 1), 0, 0, 0, 1, {c}});
   }
   steps_.shrink_to_fit();
   groups_.shrink_to_fit();
@@ -124,13 +124,13 @@ void Program::add_one(const Symbolic& s, const Class& equal, int component) {
       continue;
     }
     PivotPack pack{.shape = shape, .lanes = bundle.lanes, .used = bundle.used, .pivot = bundle.pivot,
-                   .shares = false, .place = -1, .rows = 0, .targets = 0, .lane_rows = 0, .row_targets = 0};
+                   .shares = false, .place = -1, .upper = -1, .rows = 0, .targets = 0, .lane_rows = 0, .row_targets = 0};
     for (int& pivot : pack.pivot) pivot += begin;
     add_pack(s, pack);
   }
   add_dense_end(s, component);
   group_of_[component] = static_cast<int>(groups_.size());
-  groups_.push_back({first, static_cast<int>(steps_.size()), 0, 0, 1, {component}});
+  groups_.push_back({first, static_cast<int>(steps_.size()), 0, 0, 0, 1, {component}});
 }
 
 /// What couples to many, and all that follows it, last and in the order of the pivots: nothing of it lies interleaved with
@@ -144,7 +144,7 @@ void Program::add_dense_end(const Symbolic& s, int component) {
 /// many there are.
 void Program::add_copies(const Symbolic& s, const Class& equal, std::span<const int> components) {
   const int first = static_cast<int>(steps_.size()), copies = static_cast<int>(components.size());
-  Group group{first, 0, 0, 0, copies, {}};
+  Group group{first, 0, 0, 0, 0, copies, {}};
   for (int c = 0; c < copies; ++c) {
     group.component[c] = components[c];
     group_of_[components[c]] = static_cast<int>(groups_.size());
@@ -154,7 +154,7 @@ void Program::add_copies(const Symbolic& s, const Class& equal, std::span<const 
     for (int l = 0; l < bundle.lanes; ++l) {
       if (!(bundle.used >> l & 1u) || shape_of_[s.component_begin(components[0]) + bundle.pivot[l]] == in_dense_end) continue;
       PivotPack pack{.shape = shape_of_[s.component_begin(components[0]) + bundle.pivot[l]], .lanes = lanes_for(copies),
-                     .used = (1u << copies) - 1, .pivot = {}, .shares = false, .place = -1, .rows = 0, .targets = 0, .lane_rows = 0, .row_targets = 0};
+                     .used = (1u << copies) - 1, .pivot = {}, .shares = false, .place = -1, .upper = -1, .rows = 0, .targets = 0, .lane_rows = 0, .row_targets = 0};
       for (int c = 0; c < lanes; ++c)
         pack.pivot[c] = s.component_begin(components[c < copies ? c : 0]) + bundle.pivot[l];
       if (pack.shape >= 0) add_pack(s, pack);
@@ -227,7 +227,9 @@ void Program::find_targets(const Symbolic& s) {
   std::array<Target, lanes> of_lane{};
   std::vector<int> seen(s.pivots(), -1);  // last pack that couples to a pivot
   for (PivotPack& pack : packs_) {
-    const int number = static_cast<int>(&pack - packs_.data());
+    const int number = static_cast<int>(&pack - packs_.data()), first = std::countr_zero(pack.used);
+    pack.place = s.pivot(pack.pivot[first]).diagonal - first;
+    pack.upper = s.pivot(pack.pivot[first]).upper - first;
     for (int l = 0; l < pack.lanes; ++l) {
       if (!(pack.used >> l & 1u)) continue;
       for (const int later : s.coupled(pack.pivot[l])) pack.shares |= std::exchange(seen[later], number) == number;

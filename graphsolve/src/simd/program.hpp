@@ -28,19 +28,22 @@ struct Shape {
   std::vector<int> coupled;       ///< dimensions of the coupled blocks
   std::vector<char> coupled_may;  ///< may their rows depend?
   [[nodiscard]] int couplings() const { return static_cast<int>(coupled.size()); }
-  /// Scalars of the factor: D, L, U, one block after the other.
-  [[nodiscard]] int size() const { return dimension * (dimension + 2 * coupled_rows); }
+  /// Scalars of the factor: D, L, and U.
+  [[nodiscard]] int size() const { return lower_size() + upper_size(); }
+  [[nodiscard]] int lower_size() const { return dimension * (dimension + coupled_rows); }
+  [[nodiscard]] int upper_size() const { return dimension * coupled_rows; }
 };
 
-/// Pivots in lanes. Scalar i of lane l lies at values[place + i lanes + l]: blocks of the matrix are written there, and
-/// become those of the factor. Lanes without a pivot repeat one that is used, in `pivot`; their scalars mean nothing.
+/// Pivots in lanes. Scalar i of the diagonal block and of those below, in lane l, lies at values[place + i lanes + l], of those
+/// to the right at values[upper + i lanes + l]: blocks of the matrix are written there, and become those of the factor. Lanes
+/// without a pivot repeat one that is used, in `pivot`; their scalars mean nothing.
 struct PivotPack {
   int shape;
   int lanes;                           ///< 1, 2, 4 or 8
   unsigned used;                       ///< bit per lane that has a pivot
   std::array<int, simd::lanes> pivot;
   bool shares;                         ///< do several of its pivots couple to one and the same?
-  std::int64_t place;
+  std::int64_t place, upper;
   int rows;                            ///< first of lanes * (1 + couplings) entries in Program::rows
   int targets;                         ///< first of couplings^2 entries in Program::targets
   int lane_rows;                       ///< of a vector in lanes: row r of lane l lies at lane_rows + r lanes + l
@@ -72,7 +75,7 @@ class Program {
   /// Components that are eliminated together: one, or up to eight of equal structure, each in a lane of every pack.
   struct Group {
     int first_step, end_step;
-    std::int64_t begin, end;  ///< of its part of the values
+    std::int64_t begin, upper, end;  ///< of its part of the values; from `upper` on blocks to the right of pivots
     int copies;
     std::array<int, simd::lanes> component;
   };
@@ -111,9 +114,9 @@ class Program {
   [[nodiscard]] std::int64_t memory() const;                        ///< bytes
 
   // While the plan is made.
-  void set_place(int pack, std::int64_t place) { packs_[pack].place = place; }
-  void set_extent(int group, std::int64_t begin, std::int64_t end) {
+  void set_extent(int group, std::int64_t begin, std::int64_t upper, std::int64_t end) {
     groups_[group].begin = begin;
+    groups_[group].upper = upper;
     groups_[group].end = end;
   }
   /// After all blocks have found their places.

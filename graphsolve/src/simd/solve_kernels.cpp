@@ -105,17 +105,18 @@ template <int D, int L>
 void forward(const PackSolve& job) {
   const Shape& shape = job.program.shape(job.pack);
   const int d = D ? D : shape.dimension;
+  const double* diagonal = job.factor + job.pack.place;
   PackOf<L> lu[D ? D * D : largest_dimension * largest_dimension], x[D ? D : largest_dimension], t[largest_front];
   load_own<L>(job, d, x);
   if (job.form == Form::ldlt) {
-    load_lower<D>(job.factor, lu, d);
+    load_lower<D>(diagonal, lu, d);
     solve_lower<D, 1>(lu, x, d);
   } else {
-    load_diagonal<D>(job.factor, lu, d);
+    load_diagonal<D>(diagonal, lu, d);
     solve_columns<D, 1>(lu, x, d);
   }
   store_own<L>(job, d, x);
-  const double* lower = job.factor + d * d * L;
+  const double* lower = diagonal + d * d * L;
   PackOf<L>* sum = t;
   for (int i = 0; i < shape.couplings(); ++i) {
     const int rows = shape.coupled[i];
@@ -133,7 +134,7 @@ template <int D, int L>
 void backward(const PackSolve& job) {
   const Shape& shape = job.program.shape(job.pack);
   const int d = D ? D : shape.dimension;
-  const double* w = job.factor + d * (d + shape.coupled_rows) * L;
+  const double* w = job.factor + job.pack.upper;
   PackOf<L> coupled[largest_dimension], sum[D ? D : largest_dimension], x[D ? D : largest_dimension];
   for (int p = 0; p < d; ++p) sum[p] = PackOf<L>(0.0);
   for (int i = 0; i < shape.couplings(); ++i) {
@@ -151,7 +152,7 @@ template <int D, int L>
 void forward_transposed(const PackSolve& job) {
   const Shape& shape = job.program.shape(job.pack);
   const int d = D ? D : shape.dimension;
-  const double* w = job.factor + d * (d + shape.coupled_rows) * L;
+  const double* w = job.factor + job.pack.upper;
   PackOf<L> x[D ? D : largest_dimension], t[largest_front];
   load_own<L>(job, d, x);
   for (int r = 0; r < shape.coupled_rows; ++r, w += d * L) {
@@ -166,16 +167,17 @@ template <int D, int L>
 void backward_transposed(const PackSolve& job) {
   const Shape& shape = job.program.shape(job.pack);
   const int d = D ? D : shape.dimension;
+  const double* diagonal = job.factor + job.pack.place;
   PackOf<L> lu[D ? D * D : largest_dimension * largest_dimension], x[D ? D : largest_dimension], coupled[largest_dimension];
   const bool ldlt = job.form == Form::ldlt;
   load_own<L>(job, d, x);
   if (ldlt) {
-    load_lower<D>(job.factor, lu, d);
+    load_lower<D>(diagonal, lu, d);
     for (int p = 0; p < d; ++p) x[p] *= lu[p * (d + 1)];
   } else {
-    load_diagonal<D>(job.factor, lu, d);
+    load_diagonal<D>(diagonal, lu, d);
   }
-  const double* lower = job.factor + d * d * L;
+  const double* lower = diagonal + d * d * L;
   for (int i = 0; i < shape.couplings(); ++i) {
     const int rows = shape.coupled[i];
     Coupled<L>(job, i).load(rows, coupled);
@@ -241,11 +243,11 @@ void residual(const PackResidual& job) {
   point_at<L>(job.program, job.pack, job.x, 0, from);
   load_transposed(from, d, x, job.pack.used);
   for (int p = 0; p < d; ++p) sum[p] = magnitude[p] = P(0.0);
-  const double* a = job.matrix;
+  const double* a = job.matrix + job.pack.place;
   for (int q = 0; q < d; ++q)
     for (int p = 0; p < d; ++p, a += L) take_up(load<L>(a), x[q], sum[p], magnitude[p]);
   const double* lower = a;
-  a += d * shape.coupled_rows * L;
+  a = job.matrix + job.pack.upper;
   for (int i = 0, row = 0; i < shape.couplings(); row += shape.coupled[i++]) {
     point_at<L>(job.program, job.pack, job.x, i + 1, from);
     load_transposed(from, shape.coupled[i], coupled + row, job.pack.used);
