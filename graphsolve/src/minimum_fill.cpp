@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "graphsolve/ordering.hpp"
+#include "ordering_held.hpp"
 
 namespace graphsolve {
 
@@ -221,6 +222,10 @@ class MinimumFill {
 
 }  // namespace
 
-Ordering minimum_fill_ordering(const BlockGraph& graph) { return MinimumFill(graph).run(); }
+Ordering minimum_fill_ordering(const BlockGraph& graph) {
+  Ordering result = MinimumFill(graph).run();
+  hold_networks_early(graph, result);
+  return result;
+}
 
 }  // namespace graphsolve

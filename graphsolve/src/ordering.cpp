@@ -3,6 +3,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "ordering_held.hpp"
 #include "ordering_repair.hpp"
 
 namespace graphsolve {
@@ -46,6 +47,7 @@ Ordering natural_ordering(const BlockGraph& graph) {
   std::vector<NodeId> sequence(graph.size());
   for (int i = 0; i < graph.size(); ++i) sequence[i] = {i};
   Ordering result = repaired(graph, sequence);
+  hold_networks_early(graph, result);
   result.method = OrderingMethod::natural;
   return result;
 }
@@ -83,6 +85,7 @@ Ordering depth_first_ordering(const BlockGraph& graph, NodeId root) {
   if (root.index >= 0) search(root.index);
   for (int i = 0; i < n; ++i) search(i);
   Ordering result = repaired(graph, std::vector<NodeId>(order.rbegin(), order.rend()));
+  hold_networks_early(graph, result);
   result.method = OrderingMethod::depth_first;
   return result;
 }

@@ -8,6 +8,7 @@
 #include "elimination_tree.hpp"
 #include "graphsolve/ordering.hpp"
 #include "ordering_packages.hpp"
+#include "ordering_held.hpp"
 #include "ordering_repair.hpp"
 
 namespace graphsolve {
@@ -133,6 +134,7 @@ Ordering make_ordering(const BlockGraph& graph, OrderingMethod method) {
   bool edges = false;  // without any the packages have nothing to order, and some refuse to
   for (int i = 0; i < graph.size() && !edges; ++i) edges = !graph.edges({i}).empty();
   Ordering result = edges ? repaired(graph, package_sequence(graph, method)) : natural_ordering(graph);
+  hold_networks_early(graph, result);
   result.method = method;
   return result;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "graphsolve/ordering.hpp"
+#include "ordering_held.hpp"
 #include "quotient_graph.hpp"
 
 namespace graphsolve {
@@ -170,6 +171,10 @@ class Wide {
 
 }  // namespace
 
-Ordering wide_ordering(const BlockGraph& graph) { return Wide(graph).run(); }
+Ordering wide_ordering(const BlockGraph& graph) {
+  Ordering result = Wide(graph).run();
+  hold_networks_early(graph, result);
+  return result;
+}
 
 }  // namespace graphsolve

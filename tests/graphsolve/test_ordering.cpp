@@ -7,6 +7,8 @@
 #include <numeric>
 #include <random>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "graphsolve/ordering.hpp"
 #include "graphsolve/symbolic.hpp"
@@ -98,6 +100,96 @@ TEST(Ordering, NoOrderMeetsASingularPivotWhereConstraintsShareAParameter) {
     }
   std::printf("             worst pivot %.1e\n", worst);
   EXPECT_GT(worst, 1e-10);
+}
+
+/// A connected network of n nodes; the first `held` of them in a shuffled order have a constraint of their own.
+struct Network {
+  BlockGraph graph;
+  Eigen::MatrixXd matrix;  ///< [H -J^T; J 0]
+};
+
+/// Coupling of two nodes, semidefinite: H has it at both nodes, and minus it between them.
+template <class Stiffness>
+Network network(int n, int dimension, int held, int seed, EdgeRank rank, Stiffness&& stiffness) {
+  std::mt19937_64 random(seed);
+  std::vector<int> of(n);
+  std::iota(of.begin(), of.end(), 0);
+  std::shuffle(of.begin(), of.end(), random);
+  Network result;
+  for (int i = 0; i < n; ++i) result.graph.add_node("n" + std::to_string(i), dimension);
+  for (int i = 0; i < held; ++i) {
+    const NodeId constraint = result.graph.add_node("c" + std::to_string(i), dimension, NodeKind::saddle);
+    result.graph.add_edge(constraint, {of[i]}, rank);
+  }
+  Eigen::MatrixXd& a = result.matrix = Eigen::MatrixXd::Zero(result.graph.rows(), result.graph.rows());
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < i; ++j) {
+      const Eigen::MatrixXd k = stiffness(i, j, random);
+      if (k.size() == 0) continue;
+      result.graph.add_edge({i}, {j});
+      const auto add = [&](int r, int c, double sign) { a.block(r * dimension, c * dimension, dimension, dimension) += sign * k; };
+      add(i, i, 1), add(j, j, 1), add(i, j, -1), add(j, i, -1);
+    }
+  for (int i = 0; i < held; ++i) {
+    std::normal_distribution<double> normal;
+    const Eigen::MatrixXd own = 2 * Eigen::MatrixXd::Identity(dimension, dimension) +
+                                0.3 * Eigen::MatrixXd::NullaryExpr(dimension, dimension, [&] { return normal(random); });
+    a.block((n + i) * dimension, of[i] * dimension, dimension, dimension) = own;
+    a.block(of[i] * dimension, (n + i) * dimension, dimension, dimension) = -own.transpose();
+  }
+  return result;
+}
+
+std::vector<Ordering> all_orderings(const BlockGraph& graph) {
+  std::vector<Ordering> result;
+  for (const OrderingMethod method : ordering_methods())
+    if (available(method)) result.push_back(make_ordering(graph, method));
+  return result;
+}
+
+/// Trees and rings with chords; no order may leave the held node for the end, and the user's may.
+TEST(Ordering, NetworksThatOnlyOneConstraintHoldsAreSolved) {
+  double worst = 1;
+  int singular = 0;
+  for (int seed = 1; seed <= 100; ++seed) {
+    const int n = 2 + seed % 9, d = 1 + seed % 3;
+    const Network net = network(n, d, 1, seed, seed % 2 == 0 ? EdgeRank::full : EdgeRank::unknown,
+                                [&](int i, int j, auto& random) -> Eigen::MatrixXd {
+      std::normal_distribution<double> normal;
+      if (j != i - 1 && random() % 5 != 0) return {};
+      const Eigen::MatrixXd k = Eigen::MatrixXd::NullaryExpr(d, d, [&] { return normal(random); });
+      return k * k.transpose() + Eigen::MatrixXd::Identity(d, d);
+    });
+    for (const Ordering& ordering : all_orderings(net.graph)) {
+      ASSERT_TRUE(is_permutation_of_nodes(net.graph, ordering));
+      worst = std::min(worst, worst_pivot(net.graph, ordering.sequence, net.matrix));
+    }
+    singular += worst_pivot(net.graph, user_ordering(net.graph, shuffled(net.graph, seed)).sequence, net.matrix) < 1e-12;
+  }
+  std::printf("             worst pivot %.1e; %d of 100 shuffled orders are singular\n", worst, singular);
+  EXPECT_GT(worst, 1e-6);
+  EXPECT_GT(singular, 10);
+}
+
+/// Bars between points in the plane: what two held points fix is more than one node has.
+TEST(Ordering, FrameworksThatTwoHeldPointsFixAreSolved) {
+  double worst = 1;
+  for (int seed = 1; seed <= 60; ++seed) {
+    const int n = 3 + seed % 8;
+    std::mt19937_64 random(1000 + seed);
+    std::uniform_real_distribution<double> within(0.0, 1.0);
+    Eigen::MatrixXd point(2, n);
+    for (int i = 0; i < n; ++i) point.col(i) << i % 3 + 0.5 * within(random), i / 3 + 0.5 * within(random);
+    const Network net = network(n, 2, 2, seed, EdgeRank::full, [&](int i, int j, auto&) -> Eigen::MatrixXd {
+      if (i - j > 4) return {};  // a band of triangles: rigid
+      const Eigen::Vector2d along = (point.col(i) - point.col(j)).normalized();
+      return along * along.transpose();
+    });
+    for (const Ordering& ordering : all_orderings(net.graph))
+      worst = std::min(worst, worst_pivot(net.graph, ordering.sequence, net.matrix));
+  }
+  std::printf("             worst pivot %.1e\n", worst);
+  EXPECT_GT(worst, 1e-7);
 }
 
 TEST(Ordering, AParameterThatAllConstraintsShareCostsNoMoreThanItsColumn) {

@@ -18,10 +18,14 @@ namespace graphsolve {
 ///   Nobody waits for shared nodes.
 ///
 /// Under it no pivot of a regular saddle system is singular whose terms are positive definite on all regular nodes
-/// together (a network that only a constraint on one node holds is not): the eliminated rows of J are independent on
-/// the eliminated columns (block triangular in the private hosts, for the others complete rows, but for shared nodes,
-/// as that kind promises), and so are the costless columns on the eliminated rows. An order that knows nothing of the
-/// rule is repaired by deferring the ineligible node until it becomes eligible.
+/// together: the eliminated rows of J are independent on the eliminated columns (block triangular in the private hosts,
+/// for the others complete rows, but for shared nodes, as that kind promises), and so are the costless columns on the
+/// eliminated rows. An order that knows nothing of the rule is repaired by deferring the ineligible node until it
+/// becomes eligible.
+///
+/// Regular nodes that are coupled with each other, and definite only together with constraints on single ones of them
+/// (a network whose level one constraint holds), end at a singular pivot where a held node comes last. So each such
+/// constraint comes right after its node, and another node of the network last. The user's own order is not changed.
 ///
 /// Without semidefinite nodes some node is always eligible. With them all may come to wait for each other: in
 /// [0 -J^T; J 0] no block by itself can be a pivot, and an order may use up a host while several saddle nodes wait at
