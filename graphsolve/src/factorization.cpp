@@ -187,12 +187,12 @@ bool Factorization::factorize_pivot_any(int k, const PivotBlocks& blocks, Outcom
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const int d = p.dimension, row = first_row_[k];
   double* diagonal = blocks.diagonal;
-  double buffer[simd::largest_dimension];
-  const double* reference = references(k, buffer);
   const bool look_for_dependence = p.may_depend && saddle_shift_ == 0;  // a shifted block is regular
   if (look_for_dependence) std::copy_n(diagonal, d * d, work_.data());
   const double smallest = kernels_->factor(d)(diagonal, row_exchange_.data() + row, d);
   outcome.operations += lu_operations(d);
+  double buffer[simd::largest_dimension];
+  const double* reference = look_for_dependence ? references(k, buffer) : nullptr;
   if (look_for_dependence && !std::isnan(smallest) && !(smallest > dependent * *std::max_element(reference, reference + d))) {
     std::copy_n(work_.data(), d * d, diagonal);
     rank_[k] = factor_rank_revealing(diagonal, d, reference, dependent, row_exchange_.data() + row,

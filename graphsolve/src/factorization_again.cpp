@@ -52,7 +52,7 @@ void Factorization::restore(int k) {
     values_[at] = matrix_[at];
     largest_entry_ = std::max(largest_entry_, std::abs(matrix_[at]));
   });
-  start_reference(k);
+  if (symmetric() || tracks_reference(k)) start_reference(k);
 }
 
 /// What the redone pivots had added to the outcome is taken out of it.

@@ -30,7 +30,7 @@ bool Factorization::couples_later(int k, const PivotBlocks& blocks) {
       const double own = later.saddle ? std::abs(values_[later.diagonal + c * (later.dimension + 1) * later.stride]) : 0;
       for (int i = rank_[k]; i < d; ++i) {
         const int original = original_row(k, i);
-        const double made_of = std::max(panel_reference_[p.row + original], std::sqrt(reference(k, original) * own));
+        const double made_of = std::max(panel_reference(k, original), std::sqrt(reference(k, original) * own));
         if (std::abs(x[i]) > 1e-8 * largest && std::abs(x[i]) > 1e-11 * made_of) return true;
       }
     }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "factorization_active.hpp"
@@ -29,9 +30,9 @@ void Factorization::find_referenced() {
     if (starts(steps[i])) referenced_.push_back(static_cast<int>(i));
 }
 
-double& Factorization::reference(int k, int row) {
+std::size_t Factorization::reference_place(int k, int row) const {
   const simd::RowPlace at = symbolic_->program().row_place(k);
-  return reference_[at.first + row * at.stride];
+  return static_cast<std::size_t>(at.first) + static_cast<std::size_t>(row) * at.stride;
 }
 
 /// Side by side: in place, or a copy.
@@ -54,7 +55,7 @@ void Factorization::start_reference(int k) {
 /// The same of pivots in lanes.
 void Factorization::start_references(const simd::PivotPack& pack, unsigned active) {
   const Symbolic::Pivot& p = symbolic_->pivot(pack.pivot[0]);
-  if (active != pack.used || p.may_depend) {
+  if (active != pack.used) {
     for (int l = 0; l < pack.lanes; ++l)
       if (active >> l & 1u) start_reference(pack.pivot[l]);
     return;
@@ -64,6 +65,7 @@ void Factorization::start_references(const simd::PivotPack& pack, unsigned activ
   double* reference = reference_.data() + pack.lane_rows;
   for (int i = 0; i < p.dimension; ++i, reference += pack.lanes, diagonal += pack.lanes * (p.dimension + 1))
     for (int l = 0; l < pack.lanes; ++l) reference[l] = tracked ? diagonal[l] : std::abs(diagonal[l]);
+  if (tracked && p.may_depend) start_panel_references(pack);
 }
 
 /// Largest entry of each row right of the diagonal block.
@@ -71,15 +73,17 @@ void Factorization::start_panel_reference(int k) {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
   const int d = p.dimension;
-  double* reference = panel_reference_.data() + p.row;
-  std::fill_n(reference, d, 0.0);
+  for (int i = 0; i < d; ++i) panel_reference(k, i) = 0;
+  const auto take = [&](int i, double entry) {
+    double& largest = panel_reference(k, i);
+    largest = std::max(largest, std::abs(entry));
+  };
   if (symmetric()) {  // the blocks right of it need not have been filled
     for (int e = p.begin; e < p.end; ++e) {
       if (s.fill_[e]) continue;  // zero in the matrix
       const double* column = values_.data() + p.lower + s.block_offset_[e] * p.stride;
       for (int i = 0; i < d; ++i)
-        for (int q = 0; q < s.dimension(s.coupled_[e]); ++q, column += p.stride)
-          reference[i] = std::max(reference[i], std::abs(*column));
+        for (int q = 0; q < s.dimension(s.coupled_[e]); ++q, column += p.stride) take(i, *column);
     }
     return;
   }
@@ -87,7 +91,40 @@ void Factorization::start_panel_reference(int k) {
     if (s.fill_[e]) continue;
     const double* entry = values_.data() + p.upper + s.block_offset_[e] * p.stride;
     for (int c = 0; c < s.dimension(s.coupled_[e]); ++c)
-      for (int i = 0; i < d; ++i, entry += p.stride) reference[i] = std::max(reference[i], std::abs(*entry));
+      for (int i = 0; i < d; ++i, entry += p.stride) take(i, *entry);
+  }
+}
+
+/// The same of pivots in lanes. What is fill in some of them is zero there, what is fill in all is left out.
+void Factorization::start_panel_references(const simd::PivotPack& pack) {
+  switch (pack.lanes) {
+    case 8: return start_panel_references_of<8>(pack);
+    case 4: return start_panel_references_of<4>(pack);
+    case 2: return start_panel_references_of<2>(pack);
+    default: return start_panel_reference(pack.pivot[0]);
+  }
+}
+
+template <int Lanes>
+void Factorization::start_panel_references_of(const simd::PivotPack& pack) {
+  const simd::Shape& shape = symbolic_->program().shape(pack);
+  const int d = shape.dimension;
+  double* reference = panel_reference_.data() + pack.lane_rows;
+  std::fill_n(reference, d * Lanes, 0.0);
+  const double* block = values_.data() + (symmetric() ? pack.place + d * d * Lanes : pack.upper);
+  for (int c = 0; c < shape.couplings(); block += d * shape.coupled[c++] * Lanes) {
+    bool fill = true;
+    for (int l = 0; l < Lanes; ++l) fill &= symbolic_->is_fill(pack.pivot[l], c);
+    if (fill) continue;
+    const int rows = shape.coupled[c];
+    for (int i = 0; i < d; ++i) {
+      std::array<double, Lanes> largest{};
+      for (int q = 0; q < rows; ++q) {
+        const double* entry = block + (symmetric() ? i * rows + q : q * d + i) * Lanes;
+        for (int l = 0; l < Lanes; ++l) largest[l] = std::max(largest[l], std::abs(entry[l]));
+      }
+      for (int l = 0; l < Lanes; ++l) reference[i * Lanes + l] = std::max(reference[i * Lanes + l], largest[l]);
+    }
   }
 }
 

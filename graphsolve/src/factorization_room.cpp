@@ -14,7 +14,6 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
   const Symbolic& s = *symbolic_;
   values_.assign(s.values_size(), 0.0);
   row_exchange_.assign(s.rows(), 0);
-  reference_.assign(s.packs() == Packs::on ? s.program().lane_rows() : s.rows(), 0.0);
   rank_.resize(s.pivots());
   if (symmetric()) halved_.assign(s.pivots(), Halved::no);
   first_row_.assign(s.pivots(), 0);
@@ -46,7 +45,9 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
   }
   find_referenced();
   dropped_.reserve(uncertain_rows);
-  if (uncertain_rows > 0) panel_reference_.assign(s.rows(), 0.0);
+  const int lane_rows = s.packs() == Packs::on ? s.program().lane_rows() : s.rows();
+  if (uncertain_rows > 0 || symmetric()) reference_.assign(lane_rows, 0.0);
+  if (uncertain_rows > 0) panel_reference_.assign(lane_rows, 0.0);
   if (uncertain_rows > 0 || symmetric()) column_exchange_.assign(s.rows(), 0);
   work_.assign(2 * largest * largest + 3 * largest, 0.0);
   spread_.assign(spread, 0.0);

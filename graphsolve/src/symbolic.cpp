@@ -68,7 +68,8 @@ void Symbolic::count_memory() {
   const std::int64_t numbers =
       sizeof(Factorization) + bytes(values_size_, sizeof(double)) +
       bytes(rows_ + (uncertain > 0 ? rows_ : 0), sizeof(int)) +
-      bytes((packs_ == Packs::on ? program_->lane_rows() : rows_) + (uncertain > 0 ? rows_ : 0), sizeof(double)) + bytes(uncertain_rows, sizeof(Factorization::DroppedRow)) +
+      bytes(uncertain > 0 ? 2 * (packs_ == Packs::on ? program_->lane_rows() : rows_) : 0, sizeof(double)) +
+      bytes(uncertain_rows, sizeof(Factorization::DroppedRow)) +
       bytes(pivots(), 2 * sizeof(int) + 4 * sizeof(char)) + bytes(uncertain, sizeof(int)) + bytes(spread, sizeof(double)) +
       bytes(2 * std::int64_t{largest} * largest + 3 * largest, sizeof(double)) +
       bytes(components(), sizeof(Factorization::Outcome) + 2 * sizeof(int));

@@ -184,9 +184,14 @@ class Factorization {
   void prepare();
   void start_reference(int k);
   void start_references(const simd::PivotPack& pack, unsigned active);
-  [[nodiscard]] double& reference(int k, int row);
+  [[nodiscard]] std::size_t reference_place(int k, int row) const;
+  [[nodiscard]] double& reference(int k, int row) { return reference_[reference_place(k, row)]; }
+  [[nodiscard]] double& panel_reference(int k, int row) { return panel_reference_[reference_place(k, row)]; }
   [[nodiscard]] const double* references(int k, double* buffer) const;
   void start_panel_reference(int k);
+  void start_panel_references(const simd::PivotPack& pack);
+  template <int Lanes>
+  void start_panel_references_of(const simd::PivotPack& pack);
   // One pivot by itself.
   struct PivotBlocks {
     double *diagonal, *lower, *upper;
@@ -287,10 +292,11 @@ class Factorization {
   std::vector<Halved> halved_;        ///< per pivot of a symmetric kind that went by itself
   std::vector<int> first_row_;        ///< per pivot: first row in pivot order
   std::vector<int> referenced_;       ///< steps of the program whose pivots start_with_reference, ascending
-  AlignedVector reference_;           ///< per row, in lanes: largest amount, signed, added to a saddle diagonal;
+  AlignedVector reference_;           ///< where anything is compared with it, per row, in lanes: largest amount, signed,
+                                      ///< added to a saddle diagonal;
                                       ///< in the symmetric kinds |diagonal of the matrix| for other nodes
-  std::vector<double> panel_reference_;  ///< where dependence is looked for, or empty: largest entry of the row right of the
-                                         ///< block
+  AlignedVector panel_reference_;     ///< where dependence is looked for, likewise: largest entry of the row right of the
+                                      ///< block
   std::vector<double> work_;          ///< two of the largest block and 3 of its rows; solving needs none of it
   std::vector<double> opened_, target_;  ///< blocks of one pivot, and one that it changes, where they lie interleaved
   std::vector<char> equal_;           ///< per pivot: equal_couplings

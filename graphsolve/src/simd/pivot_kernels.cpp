@@ -136,23 +136,32 @@ HWY_INLINE void update_block(const PackJob& job, const Between& at, const double
     if constexpr (Lower) product_lower<D, L>(l, w, rows, d, f);
     else product_block<D, L>(l, w, rows, columns, d, f);
   };
-  if (target.place >= 0 && !watch) return products(Taker<L>{job, target});
   PackOf<L> diagonal[largest_dimension];
+  PackOf<L>* to = diagonal;
+  int next = 0;
+  const auto note = [&](int k, const PackOf<L>& lost) HWY_ATTR {
+    if (k != next) return;
+    *to++ = lost;
+    next += rows + 1;
+  };
+  if (target.place >= 0) {
+    const Taker<L> take{job, target};
+    if (!watch) return products(take);
+    products([&](int k, const PackOf<L>& lost) HWY_ATTR {
+      note(k, lost);
+      take(k, lost);
+    });
+    return remember(job, at.i, diagonal, rows);
+  }
   double* kept = job.numbers.scratch + (shape.size() + at.row * shape.coupled_rows + at.column * rows) * L;
   HWY_ALIGN double here[L * largest_dimension * largest_dimension];
   if (!job.pack.shares) kept = here;
   products([&](int k, const PackOf<L>& lost) HWY_ATTR {
-    if (watch && k % (rows + 1) == 0) diagonal[k / (rows + 1)] = lost;
+    if (watch) note(k, lost);
     store(lost, kept + k * L);
   });
   if (watch) remember(job, at.i, diagonal, rows);
   if (job.pack.shares) return;
-  if (target.place >= 0) {
-    const Taker<L> take{job, target};
-    for (int c = 0; c < columns; ++c)
-      for (int r = Lower ? c : 0; r < rows; ++r) take(c * rows + r, load<L>(kept + (c * rows + r) * L));
-    return;
-  }
   for (int lane = 0; lane < L; ++lane)
     if (job.active >> lane & 1u)
       subtract_lane<L>(job, lane, job.program.scattered()[~target.place + lane], kept, rows, columns, Lower);
