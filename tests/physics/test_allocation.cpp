@@ -190,23 +190,52 @@ TEST_F(Allocation, NeverHappensInDerivativesOfAStep) {
 }
 
 /// Of the heap, by a simulator that has taken a step.
-double bytes_held(const char* scene, int n) {
+double bytes_held(const Mechanism& scene) {
   const std::int64_t before = allocation::bytes_in_use();
-  Simulator simulator(built_in_scene(scene + (":n=" + std::to_string(n))));
+  Simulator simulator(scene);
   EXPECT_TRUE(simulator.step().ok());
   return static_cast<double>(allocation::bytes_in_use() - before);
 }
 
 /// Half way between powers of two, where vectors that have grown by doubling are half empty.
-double bytes_per_link(const char* scene) {
-  const double bytes = (bytes_held(scene, 1500) - bytes_held(scene, 750)) / 750;
-  std::printf("             %-16s %.0f bytes per link\n", scene, bytes);
+template <class Scene>
+double bytes_per_link(const char* name, Scene&& scene) {
+  const double bytes = (bytes_held(scene(1500)) - bytes_held(scene(750))) / 750;
+  std::printf("             %-24s %.0f bytes per link\n", name, bytes);
   return bytes;
 }
 
-TEST_F(Allocation, OfALinkIsBounded) {
-  EXPECT_LE(bytes_per_link("snake"), 7660) << "with one contact";
-  EXPECT_LE(bytes_per_link("pendulum"), 6400);
+double bytes_per_link(const char* scene) {
+  return bytes_per_link(scene, [&](int n) { return built_in_scene(scene + (":n=" + std::to_string(n))); });
 }
+
+/// Free bodies in a row, each a sphere on the floor.
+Mechanism balls(int n) {
+  Mechanism scene;
+  for (int i = 0; i < n; ++i) {
+    Body body;
+    body.name = "ball " + std::to_string(i);
+    body.mass = 1;
+    body.shape.type = Shape::Type::sphere;
+    body.shape.radius = 0.1;
+    body.inertia = shape_inertia(body.shape, body.mass);
+    body.position = Vec3(0.3 * i, 0, 0.1);
+    body.velocity = Vec3(0.1, 0, 0);
+    Contact contact;
+    contact.name = "floor " + std::to_string(i);
+    contact.body = scene.add(body);
+    contact.radius = 0.1;
+    contact.friction = 0.5;
+    scene.add(contact);
+  }
+  return scene;
+}
+
+TEST_F(Allocation, OfALinkIsBounded) {
+  EXPECT_LE(bytes_per_link("snake"), 7560) << "with one contact";
+  EXPECT_LE(bytes_per_link("pendulum"), 6310);
+}
+
+TEST_F(Allocation, OfABodyWithOneContactIsBounded) { EXPECT_LE(bytes_per_link("balls, one contact each", balls), 4300); }
 
 }  // namespace
