@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "graphsolve/cheapest_ordering.hpp"
+
 namespace bench {
 
 using namespace graphsolve;
@@ -34,16 +36,6 @@ std::vector<EntryPlace> places(const Eigen::SparseMatrix<double>& a, const Block
   return place;
 }
 
-std::shared_ptr<const Symbolic> symbolic_for_packs(const BlockGraph& graph, FactorizationKind kind) {
-  const auto cost = [&](const Symbolic& symbolic) {
-    const Symbolic::Counts& counts = symbolic.counts();
-    return kind == FactorizationKind::ldu ? counts.pack_operations : counts.symmetric_pack_operations;
-  };
-  auto narrow = std::make_shared<const Symbolic>(graph, make_ordering(graph, OrderingMethod::best));
-  auto wide = std::make_shared<const Symbolic>(graph, wide_ordering(graph));
-  return cost(*wide) < cost(*narrow) ? wide : narrow;
-}
-
 std::vector<int> rows_as_given(int rows) {
   std::vector<int> same(rows);
   std::iota(same.begin(), same.end(), 0);
@@ -58,7 +50,7 @@ baselines::Status GraphsolveSolver::analyze(const Eigen::SparseMatrix<double>& a
   simd::use_instruction_set(way_.set.value_or(simd::instruction_sets().back()));
   std::shared_ptr<const Symbolic> symbolic;
   if (way_.path == Path::packs) {
-    symbolic = symbolic_for_packs(graph_, way_.kind);
+    symbolic = std::make_shared<const Symbolic>(graph_, cheapest_in_packs(graph_, way_.kind));
   } else {
     const Ordering ordering = minimum_fill_ordering(graph_);
     if (way_.nodes == Nodes::merged) {

@@ -17,7 +17,7 @@ namespace bench {
 enum class Nodes { as_given, merged };
 
 /// One pivot after the other in the order of minimum fill; or eight equal ones at once where there are as many, in the
-/// order `best` or `wide`, whichever needs fewer operations then (Symbolic::Counts::pack_operations, symmetric_pack_operations).
+/// order that is cheapest then (cheapest_in_packs).
 enum class Path { scalar, packs };
 
 /// How graphsolve is used.

@@ -1,9 +1,10 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
 
-#include "graphsolve/ordering.hpp"
+#include "graphsolve/cheapest_ordering.hpp"
 #include "stepper.hpp"
 
 /// Descriptions -> graph -> symbolic -> terms.
@@ -108,21 +109,16 @@ void Stepper::build(const Assembly& assembly) {
 
 namespace {
 
-/// Minimum fill, or wide rounds where they leave fewer operations with eight equal pivots done at once. Decided for one
-/// copy, so that a copy is eliminated as a simulator of its own is.
-graphsolve::Ordering cheapest_ordering(const graphsolve::BlockGraph& graph) {
-  auto narrow = graphsolve::minimum_fill_ordering(graph), wide = graphsolve::wide_ordering(graph);
-  const auto cost = [&](const graphsolve::Ordering& ordering) {
-    return graphsolve::Symbolic(graph, ordering).counts().pack_operations;
-  };
-  return cost(wide) < cost(narrow) ? wide : narrow;
-}
+/// Those of every build, so that steps are the same in all.
+constexpr std::array orderings{graphsolve::OrderingMethod::minimum_fill, graphsolve::OrderingMethod::wide};
 
 }  // namespace
 
 std::shared_ptr<const graphsolve::Symbolic> Stepper::make_plan(const Assembly& assembly) const {
+  // Decided for one copy, so that a copy is eliminated as a simulator of its own is.
   const auto one = make_graph(lanes[0].mechanism, assembly, 1);
-  const auto ordering = order_copies(problem->graph(), cheapest_ordering(one), count());
+  const auto cheapest = graphsolve::cheapest_in_packs(one, graphsolve::FactorizationKind::ldu, orderings);
+  const auto ordering = order_copies(problem->graph(), cheapest, count());
   return std::make_shared<const graphsolve::Symbolic>(problem->graph(), ordering);
 }
 

@@ -7,7 +7,9 @@
 #include <numeric>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "graphsolve/cheapest_ordering.hpp"
 #include "graphsolve/ordering.hpp"
 #include "graphsolve/symbolic.hpp"
 #include "support/graph_families.hpp"
@@ -133,6 +135,31 @@ TEST(OrderingMethod, NestedDissectionOfAMeshOfConstraintsNeedsFewerOperationsTha
     const auto operations = [&](const Ordering& o) { return Symbolic(graph, o, Packs::off).counts().operations; };
     EXPECT_LT(static_cast<double>(operations(dissected)), 0.97 * static_cast<double>(operations(minimum_fill_ordering(graph))));
   }
+}
+
+TEST(CheapestInPacks, IsTheOneOfFewestOperationsOfThoseAskedFor) {
+  const auto cost = [](const BlockGraph& graph, const Ordering& ordering) {
+    return Symbolic(graph, ordering).counts().symmetric_pack_operations;
+  };
+  std::vector<int> chosen(ordering_methods().size() + 1, 0);
+  for (int seed = 1; seed <= 20; ++seed)
+    for (const BlockGraph& graph : {families::chain(5 * seed), families::loop(10 * seed), families::random_tree(4 * seed, seed),
+                                    families::ladder(8 * seed), families::control(3 * seed, seed)}) {
+      const Ordering cheapest = cheapest_in_packs(graph, FactorizationKind::ldlt);
+      ASSERT_TRUE(is_permutation_of_nodes(graph, cheapest));
+      const std::int64_t least = cost(graph, cheapest);
+      for (const OrderingMethod method : methods_for_packs)
+        if (available(method) && make_ordering(graph, method).forced == cheapest.forced) {
+          EXPECT_LE(least, cost(graph, make_ordering(graph, method)));
+        }
+      ++chosen[static_cast<std::size_t>(cheapest.method)];
+    }
+  EXPECT_GT(chosen[static_cast<std::size_t>(OrderingMethod::wide)], 10);
+  EXPECT_GT(chosen[static_cast<std::size_t>(OrderingMethod::minimum_fill)], 10);  // what `best` is where nothing fills
+}
+
+TEST(CheapestInPacks, RefusesMethodsThatAreAllMissing) {
+  EXPECT_THROW((void)cheapest_in_packs(families::chain(5), FactorizationKind::ldu, {}), std::invalid_argument);
 }
 
 }  // namespace
