@@ -1,11 +1,12 @@
 // A ball falls 1 m onto the floor and stays there. Prints: after 1 s: centre at 0.1000 m, the floor pushes with 9.81 N
 #include <cstdio>
+#include <exception>
 
 #include "physics/simulator.hpp"
 
 using namespace physics;
 
-int main() {
+int main() try {
   Mechanism scene;  // or: built_in_scene("snake:n=100"), or read_scene("scene.toml").mechanism
   Body ball;
   ball.name = "ball";
@@ -30,4 +31,7 @@ int main() {
   simulator.write_record(record);
   std::printf("after %g s: centre at %.4f m, the floor pushes with %.2f N\n", record.time,
               record.bodies[0].position.z(), record.contacts[0].normal_force);
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "simulator_minimal: %s\n", error.what());
+  return 2;
 }

@@ -1,11 +1,12 @@
 // Minimise |x|^2 + 2 |y|^2 subject to x + y = (3, 6). Prints: x = 2 4, y = 1 2, multiplier = 4 8, fill blocks: 0
 #include <cstdio>
+#include <exception>
 
 #include "graphsolve/factorization.hpp"
 
 using namespace graphsolve;
 
-int main() {
+int main() try {
   BlockGraph graph;  // the pattern: blocks of any size, here 2
   const NodeId x = graph.add_node("x", 2), y = graph.add_node("y", 2);
   const NodeId sum = graph.add_node("sum", 2, NodeKind::saddle);  // a constraint: no pivot of its own
@@ -25,4 +26,7 @@ int main() {
   factorization.solve(v);
   std::printf("x = %g %g, y = %g %g, multiplier = %g %g, fill blocks: %lld\n", v[0], v[1], v[2], v[3], v[4], v[5],
               static_cast<long long>(symbolic->counts().fill_blocks));
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "solver_minimal: %s\n", error.what());
+  return 2;
 }

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <exception>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,7 @@ const std::vector<double> identity{1, 0, 0, 1};
 
 }  // namespace
 
-int main() {
+int main() try {
   BlockGraph graph;
   QuadraticCost cost;
   LinearConstraint dynamics;
@@ -88,4 +89,7 @@ int main() {
   std::printf("inputs at their bound: %d of %d\n", at_bound, horizon);
   std::printf("largest bound violation %.1e\n", std::max(worst, 0.0));
   std::printf("%s\n", symbolic->counts().fill_blocks == 0 ? "no fill" : "fill");
+} catch (const std::exception& error) {  // GRAPHSOLVE_SIMD holds a word that it does not know
+  std::fprintf(stderr, "optimal_control: %s\n", error.what());
+  return 2;
 }

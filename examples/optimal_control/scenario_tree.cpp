@@ -16,6 +16,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <exception>
 #include <string>
 #include <vector>
 
@@ -140,7 +141,7 @@ double riccati_input() {
 
 }  // namespace
 
-int main() {
+int main() try {
   const std::vector<TreeNode> tree = make_tree();
   std::vector<double> slope;
   const Solution free = solve(tree, 100.0), bounded = solve(tree, 1.0);
@@ -159,4 +160,7 @@ int main() {
               cost);
   std::printf("any input could still be improved by %s\n", worst <= 1e-6 ? "less than 1e-6" : "more than 1e-6");
   std::printf("bounded in %d iterations\n", bounded.iterations);
+} catch (const std::exception& error) {  // GRAPHSOLVE_SIMD holds a word that it does not know
+  std::fprintf(stderr, "scenario_tree: %s\n", error.what());
+  return 2;
 }
