@@ -3,7 +3,13 @@
 #include <CLI/CLI.hpp>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <string>
+
+#include "interrupt.hpp"
+#include "options.hpp"
+#include "wrong_options.hpp"
 
 /// Runs the campaign of extremes and lists every step that failed. Exit code 0: none failed and the certificate
 /// refuted none; 1: some did; 2: wrong input.
@@ -41,16 +47,19 @@ int main(int argc, char** argv) {
   CLI::App app{"Scenes with one thing far out of the ordinary: what fails, and what it took."};
   campaign::Options options;
   std::string json;
-  app.add_option("--steps", options.steps, "time steps in all")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--steps-of-scene", options.steps_of_scene, "at most, of one scene")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--first-scene", options.first_scene, "of each family, to look at one again")
-      ->check(CLI::NonNegativeNumber)
+  constexpr int most = std::numeric_limits<int>::max();
+  app.add_option("--steps", options.steps, "time steps in all")->check(cli::whole_number(1, most))->capture_default_str();
+  app.add_option("--steps-of-scene", options.steps_of_scene, "at most, of one scene")
+      ->check(cli::whole_number(1, most))
       ->capture_default_str();
-  app.add_option("--seed", options.seed, "of the scenes")->capture_default_str();
-  app.add_option("--tolerance", options.settings.tolerance, "[m/s]")->capture_default_str();
+  app.add_option("--first-scene", options.first_scene, "of each family, to look at one again")
+      ->check(cli::whole_number(0, most))
+      ->capture_default_str();
+  app.add_option("--seed", options.seed, "of the scenes")->check(cli::seed())->capture_default_str();
+  app.add_option("--tolerance", options.settings.tolerance, "[m/s]")->check(cli::positive())->capture_default_str();
   app.add_option("--family", options.families, "only these");
-  app.add_flag("!--no-certify", options.certify, "do not judge every step by the certificate");
-  app.add_option("--json", json, "also write the figures to this file");
+  app.add_flag("!--no-certify", options.certify, "do not judge every step by the certificate")->disable_flag_override();
+  app.add_option("--json", json, "also write the figures to this file")->check(cli::file_name());
   const auto wrong = [](const std::string& what) {
     std::cerr << "campaign: " << what << '\n';
     return 2;
@@ -60,15 +69,23 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
-    return wrong(std::string(error.what()) + " (see 'campaign --help')");
+    return wrong(cli::sentence_about(app, error) + " (see 'campaign --help')");
   }
   try {
     std::ofstream file;
     if (!json.empty()) file.open(json);
     if (!file) return wrong("cannot write '" + json + "'");
+    cli::catch_interrupts();
+    options.stop = [] { return cli::interrupt() != 0; };
     const campaign::Report report = campaign::run(options);
     std::cout << report;
     if (!json.empty() && !(file << to_json(report).dump(1) << '\n').flush()) return wrong("cannot write '" + json + "'");
+    if (cli::interrupt()) {
+      const campaign::Count& last = report.counts.back();
+      std::cerr << "campaign: stopped by signal " << cli::interrupt() << "; what is left of this family: --family "
+                << last.family << " --first-scene " << options.first_scene + last.scenes << '\n';
+      return 128 + cli::interrupt();
+    }
     return report.failures.empty() && report.refutations.empty() ? 0 : 1;
   } catch (const std::exception& error) {
     return wrong(error.what());

@@ -13,6 +13,7 @@
 
 #include "commands.hpp"
 #include "physics/mechanism.hpp"
+#include "wrong_options.hpp"
 
 namespace {
 
@@ -69,7 +70,7 @@ int main(int argc, char** argv) {
   program.footer(footer);
   program.failure_message([](const CLI::App* app, const CLI::Error& error) {
     const auto begun = app->get_subcommands();
-    return fmt::format("graphsolve: {} (see 'graphsolve {}--help')\n", error.what(),
+    return fmt::format("graphsolve: {} (see 'graphsolve {}--help')\n", cli::sentence_about(*app, error),
                        begun.empty() ? "" : begun.front()->get_name() + " ");
   });
   std::vector<cli::Command> commands{cli::add_simulate(program), cli::add_rollout(program), cli::add_scenes(program),

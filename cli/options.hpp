@@ -1,10 +1,13 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <fmt/format.h>
 #include <limits>
 #include <string>
+#include <system_error>
 
 /// Checks of option values that several commands share, with sentences of their own and nothing added to the help.
 namespace cli {
@@ -19,9 +22,15 @@ inline CLI::Validator whole_number(long long least, long long most = std::numeri
   return {check, ""};
 }
 
-inline CLI::Validator at_least_zero() {  ///< beyond long long too
-  return {[](const std::string& text) { return text.starts_with('-') ? "must be >= 0, not " + text : std::string(); },
-          ""};
+inline CLI::Validator seed() {
+  const auto check = [](const std::string& text) {
+    std::uint64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool fine = error == std::errc() && end == text.data() + text.size();
+    return fine ? std::string()
+                : fmt::format("must be a whole number from 0 to {}, not {}", std::numeric_limits<std::uint64_t>::max(), text);
+  };
+  return {check, ""};
 }
 
 /// An empty word is what a shell makes of a variable that is not set: nothing would be written.

@@ -72,7 +72,7 @@ void add_options(CLI::App& command, Options& options) {
   add("Work", "--vary", options.vary, "KEY=LOW:HIGH", "A number that differs between copies; may be repeated")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  add("Work", "--seed", options.seed, "S", "Of the random numbers")->check(at_least_zero())->capture_default_str();
+  add("Work", "--seed", options.seed, "S", "Of the random numbers")->check(seed())->capture_default_str();
   add("Work", "--tolerance", options.tolerance, "T", "Residual at which a step is accepted [m/s]")
       ->check(positive())
       ->capture_default_str();

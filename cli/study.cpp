@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "commands.hpp"
+#include "interrupt.hpp"
 #include "options.hpp"
 #include "physics/scene_io.hpp"
 #include "progress.hpp"
@@ -39,10 +40,14 @@ constexpr const char* footer = R"(Studies:
   precision  error against CPU time over time step, tolerance, start and friction model
 
 Each prints its tables and findings, and writes NAME.json (all data, with machine, compiler and commit) and pictures
-NAME-*.svg, drawn by gnuplot, whose titles are the findings.
+NAME-*.svg, drawn by gnuplot, whose titles are the findings. A study that is interrupted (Ctrl-C) writes nothing, since
+half a measurement is none; those finished before stay, and the command that makes the others is printed.
 
 Exit code: 0 all steps solved, 1 some step failed (it stays in the tables), 2 wrong input or a file that cannot be
-written.)";
+written, 130 or 143 stopped by SIGINT or SIGTERM.)";
+
+/// Thrown out of a study that is to end.
+struct Interrupted {};
 
 const Study& find_study(const std::string& name) {
   const auto found = std::find_if(studies.begin(), studies.end(), [&](const Study& s) { return s.name == name; });
@@ -88,6 +93,7 @@ int run_study(const Study& study, const Options& options) {
   study::Outcome outcome = [&] {
     std::optional<Progress> progress;
     return study.run(conditions, [&](int done, int of) {
+      if (interrupt()) throw Interrupted();
       if (!progress) progress.emplace(of);
       progress->update(done);
     });
@@ -108,9 +114,26 @@ int run_study(const Study& study, const Options& options) {
   return outcome.failed_steps;
 }
 
+/// From the first study that is not finished on.
+int stopped(const std::vector<Study>& chosen, std::size_t finished, const Options& options) {
+  std::string left;
+  for (; finished < chosen.size(); ++finished) left += " " + chosen[finished].name;
+  fmt::print(stderr, "graphsolve: study: stopped by signal {}; what is left: graphsolve study{}{} --out '{}'\n",
+             interrupt(), left, options.quick ? " --quick" : "", options.out);
+  return interrupted + interrupt();
+}
+
 int run_studies(const Options& options) {
+  const std::vector<Study> chosen = prepare(options);
+  catch_interrupts();
   int failed = 0;
-  for (const Study& study : prepare(options)) failed += run_study(study, options);
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    try {
+      failed += run_study(chosen[k], options);
+    } catch (const Interrupted&) {
+    }
+    if (interrupt()) return stopped(chosen, k, options);  // also where it came while gnuplot drew
+  }
   if (failed == 0) return all_solved;
   fmt::print(stderr, "graphsolve: {} steps failed; they stay in the tables\n", failed);
   return step_failed;
@@ -122,7 +145,7 @@ Command add_study(CLI::App& program) {
   CLI::App* command = program.add_subcommand("study", "Measure: cost over size, error over time spent.");
   const auto options = std::make_shared<Options>();
   command->add_option("NAME", options->names, "One or more of: scaling, precision")->required()->type_name("");
-  command->add_flag("--quick", options->quick, "Fewer sizes and repeats: under two minutes for both");
+  command->add_flag("--quick", options->quick, "Fewer sizes and repeats: under two minutes for both")->disable_flag_override();
   command->add_option("--out", options->out, "Folder for data and pictures; made when it does not exist")
       ->type_name("DIR")
       ->check(file_name())

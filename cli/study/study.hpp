@@ -27,7 +27,7 @@ struct Outcome {
   int failed_steps = 0;  ///< of all steps that were tried; they stay in the tables
 };
 
-/// Called between measurements.
+/// Called between measurements. What it throws ends the study.
 using OnProgress = std::function<void(int done, int of)>;
 
 /// The paper's Figs. 4 and 5: cost of a step over the number of contacts and of bodies.

@@ -69,7 +69,7 @@ class Program : public testing::Test {
     return outcome.err;
   }
 
-  /// Starts the program, sends the signal once `ready` (or after ten seconds) and returns the status of `waitpid`.
+  /// Starts the program, sends the signal once `ready` (or after two minutes) and returns the status of `waitpid`.
   /// What it printed stays in .out and .err.
   [[nodiscard]] int signal_amid(const std::string& arguments, int signal, const std::function<bool()>& ready) const {
     const pid_t child = fork();
@@ -78,7 +78,7 @@ class Program : public testing::Test {
       execl("/bin/sh", "sh", "-c", ("exec '" GRAPHSOLVE_CLI "' " + arguments).c_str(), nullptr);
       _exit(99);
     }
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::minutes(2);
     while (!ready() && std::chrono::steady_clock::now() < give_up)
       std::this_thread::sleep_for(std::chrono::microseconds(500));
     kill(child, signal);

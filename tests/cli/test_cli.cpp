@@ -152,7 +152,10 @@ TEST_F(Cli, AStepThatFailsGivesCodeOneAndKeepsTheTrajectorySoFar) {
 }
 
 TEST_F(Cli, WrongOptionsAreRefusedInOneLine) {
-  EXPECT_EQ(refused(""), "graphsolve: A subcommand is required (see 'graphsolve --help')\n");
+  EXPECT_EQ(refused(""), "graphsolve: a command is missing; there are: simulate, rollout, scenes, study, "
+                         "analyze, solve (see 'graphsolve --help')\n");
+  EXPECT_EQ(refused("--fast"), "graphsolve: there is no option '--fast'; there are: --help, --version (see 'graphsolve "
+                               "--help')\n");
   EXPECT_EQ(refused("simulte disc"),
             "graphsolve: there is no command 'simulte'; there are: simulate, rollout, scenes, study, analyze, solve\n");
   EXPECT_EQ(refused("simulate disc --out a.json --summary a.json"),
@@ -161,7 +164,18 @@ TEST_F(Cli, WrongOptionsAreRefusedInOneLine) {
             "graphsolve: --steps: must be a whole number >= 0, not -3 (see 'graphsolve simulate --help')\n");
   EXPECT_NE(refused("simulate disc --steps 1e3").find("must be a whole number >= 0, not 1e3"), std::string::npos);
   EXPECT_NE(refused("simulate disc --steps 99999999999").find("must not be above 2147483647"), std::string::npos);
-  EXPECT_EQ(refused("simulate --steps 3"), "graphsolve: SCENE is required (see 'graphsolve simulate --help')\n");
+  EXPECT_EQ(refused("study --quick"),
+            "graphsolve: NAME is missing: One or more of: scaling, precision (see 'graphsolve study --help')\n");
+  for (const char* options : {"--quik", "--quik=3", "--quik 3"})
+    EXPECT_EQ(refused(std::string("study scaling ") + options),
+              "graphsolve: there is no option '--quik'; there are: --help, --quick, --out (see 'graphsolve study --help')\n");
+  EXPECT_EQ(refused("study scaling --quick=3"), "graphsolve: --quick takes no value (see 'graphsolve study --help')\n");
+  EXPECT_EQ(refused("scenes disc"), "graphsolve: 'disc' is one word too many (see 'graphsolve scenes --help')\n");
+  for (const char* options : {"--steps", "--steps="})
+    EXPECT_EQ(refused(std::string("simulate disc ") + options),
+              "graphsolve: --steps needs a value, N: Number of steps (see 'graphsolve simulate --help')\n");
+  EXPECT_EQ(refused("simulate disc --steps 1 --steps 2"),
+            "graphsolve: --steps is given more than once (see 'graphsolve simulate --help')\n");
   // What a shell makes of a variable that is not set.
   for (const char* command : {"simulate disc --out ''", "simulate disc --summary ''", "solve a.mtx --out ''",
                               "analyze disc --json ''", "rollout disc --copies 1 --steps 1 --out ''", "study scaling --out ''"})
@@ -171,7 +185,7 @@ TEST_F(Cli, WrongOptionsAreRefusedInOneLine) {
   EXPECT_NE(refused("simulate disc --friction-model cone").find("must be pyramid or aligned, not cone"),
             std::string::npos);
   EXPECT_NE(refused("simulate disc --tolerance nan").find("must be a number > 0, not nan"), std::string::npos);
-  EXPECT_NE(refused("simulate disc --fast").find("--fast"), std::string::npos);
+  EXPECT_NE(refused("simulate disc --fast").find("there is no option '--fast'; there are: "), std::string::npos);
 }
 
 TEST_F(Cli, WrongScenesAreRefusedInOneLine) {

@@ -187,7 +187,10 @@ TEST_F(Rollout, WrongInputIsOneSentence) {
   EXPECT_NE(refused("disc --copies 0 --steps 3").find("must be a whole number >= 1, not 0"), std::string::npos);
   // Shards of so many would overlap: copies times shards does not fit.
   EXPECT_NE(refused("disc --copies 9223372036854775807 --steps 3 --shard 2/3").find("must not be above"), std::string::npos);
-  EXPECT_NE(refused("disc --copies 2 --steps 3 --seed -1").find("must be >= 0, not -1"), std::string::npos);
+  for (const std::string seed : {"-1", "a", "1.5", "18446744073709551616"})
+    EXPECT_NE(refused("disc --copies 2 --steps 3 --seed " + seed)
+                  .find("--seed: must be a whole number from 0 to 18446744073709551615, not " + seed),
+              std::string::npos);
   for (const char* tolerance : {"nan", "inf", "1e400", "0", "-1"})
     EXPECT_NE(refused("disc --copies 2 --steps 3 --tolerance " + std::string(tolerance)).find("must be a number > 0"),
               std::string::npos);

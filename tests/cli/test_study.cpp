@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <csignal>
+#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -144,6 +146,28 @@ TEST_F(StudyProgram, ScalingFindsNoFailedStepAndOneMoreLinkAlwaysCostsTheSameOpe
       EXPECT_LE(row["largest_joint_error_m"], 1e-9) << row;
     }
   }
+}
+
+TEST_F(StudyProgram, AnInterruptedStudyKeepsThoseBeforeItAndNamesTheCommandForTheRest) {
+  const auto amid = [&](const std::string& names, int signal, const std::function<bool()>& ready) {
+    write(".out", "");
+    const int status = signal_amid("study " + names + " --quick --out out", signal, ready);
+    EXPECT_TRUE(WIFEXITED(status));
+    return WEXITSTATUS(status);
+  };
+  const auto begun = [&](const char* study) {
+    return [&, study] { return text(".out").find(std::string("== ") + study) != std::string::npos; };
+  };
+  EXPECT_EQ(amid("precision scaling", SIGTERM, begun("precision")), 143);
+  EXPECT_EQ(text(".err"), "graphsolve: study: stopped by signal 15; what is left: graphsolve study precision scaling "
+                          "--quick --out 'out'\n");
+  EXPECT_TRUE(fs::is_empty(folder_ / "out"));
+  EXPECT_EQ(amid("scaling precision", SIGINT, begun("precision")), 130);
+  EXPECT_TRUE(text(".err").ends_with(
+      "graphsolve: study: stopped by signal 2; what is left: graphsolve study precision --quick --out 'out'\n"))
+      << text(".err");
+  EXPECT_TRUE(nlohmann::json::accept(text("out/scaling.json")));
+  EXPECT_FALSE(fs::exists(folder_ / "out/precision.json"));
 }
 
 }  // namespace

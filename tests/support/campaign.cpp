@@ -125,8 +125,10 @@ Report run(const Options& options) {
     Count& count = report.counts.emplace_back();
     count.family = chosen[f]->name;
     const int share = options.steps / static_cast<int>(chosen.size());
-    for (int index = options.first_scene, made = 0; made < share; ++index)
+    for (int index = options.first_scene, made = 0; made < share; ++index) {
       made += runner.run_scene(*chosen[f], count, index, std::min(options.steps_of_scene, share - made));
+      if (options.stop && options.stop()) return report;
+    }
   }
   return report;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <iosfwd>
 #include <limits>
 #include <string>
@@ -46,6 +47,7 @@ struct Options {
   bool certify = true;  ///< judge every step by the certificate
   std::vector<std::string> families;  ///< only these; empty: all
   physics::SimulatorSettings settings;
+  std::function<bool()> stop;  ///< asked after every scene, where it is set: the report is of those made
 };
 
 /// A step that failed, or one that claims to be solved and that the certificate refutes.
