@@ -304,7 +304,7 @@ int main(int argc, char** argv) {
 #ifdef GRAPHSOLVE_HAS_BASELINES
   benchmark::AddCustomContext("packages", baselines::versions());
 #else
-  std::printf("graphsolve_baselines was not built: nothing to compare with\n");
+  std::fprintf(stderr, "graphsolve_baselines was not built: nothing to compare with\n");
 #endif
   add_tables();
   benchmark::RunSpecifiedBenchmarks();

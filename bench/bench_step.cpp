@@ -165,5 +165,6 @@ int main(int argc, char** argv) {
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();
   for (const auto& [name, points] : scaling_points())
-    if (points.size() > 1) std::printf("%s: log-log slope of the time per iteration %.3f\n", name.c_str(), slope(points));
+    if (points.size() > 1)
+      std::fprintf(stderr, "%s: log-log slope of the time per iteration %.3f\n", name.c_str(), slope(points));
 }
