@@ -8,13 +8,13 @@
 #include "graphsolve/interior_point.hpp"
 #include "simd/vector_kernels.hpp"
 
-/// Lists of instances by component, starts and restarts. The loop itself is in interior_point.cpp, what ends it in interior_point_judge.cpp.
+/// What is made once, lists of instances by component, and what every solve begins with. The loop itself is in
+/// interior_point.cpp, points to start from in interior_point_starts.cpp, what ends it in interior_point_judge.cpp.
 namespace graphsolve {
 
 namespace {
 
 constexpr double saddle_shift = 1e-12;  ///< of the diagonal of a constraint's pivot block; Newton takes it out again
-constexpr int most_freezes = 40;
 
 }  // namespace
 
@@ -175,38 +175,6 @@ void InteriorPoint::begin(std::span<const double> x, double force_factor, std::s
   }
 }
 
-/// Projects the remembered point at the lowest barrier, and chooses the barrier from the residual found there.
-void InteriorPoint::start_warm() {
-  const auto ports = problem_.ports();
-  const auto start = [&] {
-    for (std::size_t b = 0; b < ports.size(); ++b)
-      if (!port_lists_[b].running.empty()) ports[b]->start_warm(running(port_lists_[b]), x_, mu_, scale_);
-  };
-  // Ports may read what terms compute from x. A solve that may end where it starts needs no matrix.
-  evaluate_terms(most_expect_to_end() ? With::residual_alone : With::matrix, residual_);
-  const bool with_ports = std::ranges::any_of(running_, [&](int c) { return degree_[c] > 0; });
-  if (with_ports) copy_rows(running_rows_, residual_, rhs_);
-  for (const int c : running_) mu_[c] = mu_floor_[c];
-  start();
-  evaluate_ports();
-  bool again = false;
-  for (const int c : running_) {
-    start_error_[c] = port_error_[c];
-    start_residual_[c] = error_[c];
-    if (degree_[c] == 0 || error_[c] <= tolerance_[c]) continue;
-    // Rows that know nothing of the ports say little about how far these are from their path.
-    const double e = std::max(port_error_[c], 0.03 * error_[c]);
-    // Only what the ports themselves see may lift the barrier above 1 m/s: rows with a large scale are no measure.
-    const double most = std::max(1.0, 0.1 * port_error_[c] * port_error_[c]);
-    mu_[c] = std::clamp(0.1 * e * e * scale_[c], mu_floor_[c], most * scale_[c]);
-    again = true;
-  }
-  if (!again) return;
-  start();  // x is where it was: so is what the terms made of it
-  copy_rows(running_rows_, rhs_, residual_);
-  evaluate_ports();
-}
-
 void InteriorPoint::set_default_scales() {
   const Symbolic& s = factorization_.symbolic();
   for (const int c : running_) {
@@ -224,89 +192,6 @@ void InteriorPoint::set_default_scales() {
 
 void InteriorPoint::set_row_scale(NodeId node, std::span<const double> scale) {
   std::copy(scale.begin(), scale.end(), row_scale_.begin() + problem_.graph().row(node));
-}
-
-void InteriorPoint::restart_cold(int c, double velocity) {
-  const auto ports = problem_.ports();
-  for (std::size_t b = 0; b < ports.size(); ++b)
-    ports[b]->start_cold(of_component(port_lists_[b], c), velocity, scale_);
-}
-
-/// Finds where the residual of a component that failed is largest; a NaN counts as largest.
-void InteriorPoint::blame(int c) {
-  const Symbolic& s = factorization_.symbolic();
-  ComponentReport& report = reports_[c];
-  double largest = -1;
-  for (int k = s.component_begin(c); k < s.component_begin(c + 1); ++k)
-    for (int i = s.row(k); i < s.row(k) + s.dimension(k); ++i) {
-      const double e = std::abs(residual_[i]) * row_scale_[i];
-      if (e <= largest || std::isnan(largest)) continue;
-      largest = e;
-      report.worst_node = s.node(k);
-    }
-  const auto ports = problem_.ports();
-  for (std::size_t b = 0; b < ports.size(); ++b)
-    for (const int i : of_component(port_lists_[b], c).index) {
-      if (std::isnan(largest)) return;
-      error_[c] = product_[c] = 0;
-      ports[b]->evaluate({{&i, 1}, port_lists_[b].component, 0}, x_, rhs_, scale_, error_, product_);  // rhs_: nobody's now
-      if (error_[c] <= largest) continue;
-      largest = error_[c];
-      report.worst_node = {};
-      report.worst_batch = static_cast<int>(b);
-      report.worst_instance = i;
-    }
-}
-
-/// Ladder: warm, cold at 1 m/s, cold at another scale, frozen couplings, cold at the size of all residuals, end.
-void InteriorPoint::next_attempt(int c) {
-  const Status cause = trouble_[c];
-  const auto ports = problem_.ports();
-  trouble_[c] = Status::solved;
-  for (std::size_t b = 0; b < ports.size(); ++b) {
-    change_[c] = 0;
-    ports[b]->relax(of_component(port_lists_[b], c), 0.0, change_);
-  }
-  const double usual = std::max(1.0, start_error_[c]);
-  const int most_attempts = start_residual_[c] > usual ? 5 : 4;
-  if (degree_[c] == 0 || reports_[c].attempts == most_attempts) {
-    reports_[c].status = cause;
-    blame(c);
-    attempt_iterations_[c] = -1;
-    for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->restore(of_component(port_lists_[b], c));
-    return;
-  }
-  copy_rows(rows_of(c), start_, x_);
-  alpha_[c] = 1;
-  attempt_iterations_[c] = short_steps_[c] = halvings_[c] = freezes_[c] = 0;
-  phase_[c] = Phase::full;
-  good_[c] = 0;
-  const int attempt = ++reports_[c].attempts;
-  // The natural size of velocities here is what the start showed, but not less than 1. Where the data are much larger
-  // than 1 (costs, prices), pairs that start small jam at their bounds.
-  restart_cold(c, attempt == 3 ? 0.01 : attempt == 5 ? start_residual_[c] : usual);
-  if (attempt == 4) {
-    phase_[c] = Phase::frozen;
-    for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->relax(of_component(port_lists_[b], c), 1.0, change_);
-  }
-  restarted_ = true;
-}
-
-/// The frozen problem is solved: move the frozen couplings to what they should be, or set them free.
-void InteriorPoint::refreeze(int c) {
-  const auto ports = problem_.ports();
-  change_[c] = 0;
-  const double damping = freezes_[c] < 8 ? 1.0 : 0.5;
-  for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->relax(of_component(port_lists_[b], c), damping, change_);
-  attempt_iterations_[c] = short_steps_[c] = 0;
-  good_[c] = 0;
-  restarted_ = true;
-  if (change_[c] < 1e-6 || ++freezes_[c] > most_freezes) {
-    phase_[c] = Phase::polish;
-    for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->relax(of_component(port_lists_[b], c), 0.0, change_);
-    return;
-  }
-  restart_cold(c, std::max(change_[c], 1e-4));
 }
 
 const Factorization& InteriorPoint::factorize_terms(std::span<const double> x) {
