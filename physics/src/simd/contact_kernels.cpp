@@ -1,105 +1,16 @@
 #include "simd/contact_kernels.hpp"
 
-#include <limits>
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "simd/contact_kernels.cpp"
 #include "graphsolve/simd/targets.hpp"
 // Compiles the rest of this file once per instruction set.
 #include <hwy/foreach_target.h>
 
-#include "simd/algebra-inl.hpp"
+#include "simd/contact_rows-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace physics::HWY_NAMESPACE {
 namespace {
-
-constexpr int pairs = ContactOctet::pairs, facets = 4, bound = pairs - 1;
-
-/// Local rows: along the normal and the two tangents.
-struct Rows {
-  Pack n, t1, t2;
-};
-
-/// Along facet i: t1, t2, -t1, -t2.
-HWY_INLINE Pack along(const Rows& u, int facet) {
-  const Pack& a = facet % 2 == 0 ? u.t1 : u.t2;
-  return facet < 2 ? a : -a;
-}
-
-/// A task whose contacts are on one body reads it once.
-HWY_INLINE unsigned read(const ContactTask& task) { return task.one_body ? 1u : task.used; }
-
-HWY_INLINE Rows along_tangents(const ContactOctet& o, const Vector3& v, const Vector3& w) {
-  return {Pack(0.0), dot(load3(o.tangent[0]), v) + dot(load3(o.lever[1]), w),
-          dot(load3(o.tangent[1]), v) + dot(load3(o.lever[2]), w)};
-}
-
-/// f(number) with number(k) of the pose.
-template <class F>
-HWY_INLINE void read_pose(const ContactTask& task, F&& f) {
-  if (task.poses) f([&](int k) HWY_ATTR { return load(task.poses[k]); });
-  else if (task.one_body) f([&](int k) HWY_ATTR { return Pack(task.pose[0][8 * k]); });
-  else f([&](int k) HWY_ATTR { return gs::each_lane<8>([&](int l) HWY_ATTR { return task.pose[l][8 * k]; }); });
-}
-
-/// Numbers first ... of the pose.
-template <class Number>
-HWY_INLINE Vector3 three(Number&& number, int first) {
-  return {number(first), number(first + 1), number(first + 2)};
-}
-template <class Number>
-HWY_INLINE Matrix3 nine(Number&& number, int first) {
-  return {three(number, first), three(number, first + 3), three(number, first + 6)};
-}
-
-/// u at the pose; keeps the derivative of its normal row.
-HWY_INLINE Rows measure(const ContactTask& task) {
-  ContactOctet& o = *task.octet;
-  Pack x[6];
-  if (task.velocities)
-    for (int i = 0; i < 6; ++i) x[i] = load(task.velocities[i]);
-  else gs::load_transposed(task.x, 6, x, read(task));
-  const Vector3 normal = load3(o.normal), point = load3(o.point);
-  Vector3 position, local;
-  read_pose(task, [&](auto&& number) HWY_ATTR {
-    position = three(number, 0);
-    local = transposed_times(nine(number, 7), normal);
-    store3(transposed_times(nine(number, 16), cross(point, local)), o.rate_normal);
-  });
-  Rows u = along_tangents(o, vector(x), vector(x + 3));
-  u.n = (dot(normal, position) + dot(local, point) - load(o.offset) - load(o.radius)) * Pack(1 / task.dt);
-  return u;
-}
-
-/// rows += sign J1^T f
-HWY_INLINE void add_force(const ContactTask& task, const Rows& f, double sign) {
-  const ContactOctet& o = *task.octet;
-  Pack wrench[6];
-  put(f.n * load3(o.normal) + f.t1 * load3(o.tangent[0]) + f.t2 * load3(o.tangent[1]), wrench);
-  put(f.n * load3(o.lever[0]) + f.t1 * load3(o.lever[1]) + f.t2 * load3(o.lever[2]), wrench + 3);
-  gs::add_transposed(wrench, 6, task.rows, task.used, sign);
-}
-
-/// cf, or nothing where the bound is frozen.
-HWY_INLINE Pack friction(const ContactOctet& o) { return load(o.friction) * (Pack(1.0) - load(o.frozen)); }
-
-/// Largest of many numbers and 0; a NaN stays. Two chains of maxima, so that few wait for the one before.
-class Largest {
- public:
-  HWY_INLINE Largest() : most_{Pack(0.0), Pack(0.0)}, missing_(Pack(0.0) < Pack(0.0)) {}
-  HWY_INLINE void take(const Pack& e, int chain) {
-    most_[chain] = gs::max(e, most_[chain]);
-    missing_ = missing_ | !(e >= e);
-  }
-  HWY_INLINE Pack value() const {
-    return gs::select(missing_, Pack(std::numeric_limits<double>::quiet_NaN()), gs::max(most_[0], most_[1]));
-  }
-
- private:
-  Pack most_[2];
-  Mask missing_;
-};
 
 void Look(const ContactTask& task) {
   ContactOctet& o = *task.octet;
