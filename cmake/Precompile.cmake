@@ -1,0 +1,37 @@
+# Half of a file's compile time was what it includes of the standard library, Eigen and GoogleTest: that is read once per
+# target. Files go on to include what they need: .ci/run builds the packages without this.
+# Usage: graphsolve_precompile(TARGET [EIGEN] [FMT] [GTEST] [JSON] [CLI])
+option(GRAPHSOLVE_PRECOMPILE "Precompile the headers that most files include" ${PROJECT_IS_TOP_LEVEL})
+
+function(graphsolve_precompile target)
+  if(NOT GRAPHSOLVE_PRECOMPILE)
+    return()
+  endif()
+  cmake_parse_arguments(PARSE_ARGV 1 arg "EIGEN;FMT;GTEST;JSON;CLI" "" "")
+  set(headers <algorithm> <array> <cmath> <functional> <map> <memory> <optional> <span> <stdexcept> <string> <vector>)
+  if(arg_EIGEN)
+    list(APPEND headers <Eigen/Dense> <Eigen/SparseCore>)
+  endif()
+  if(arg_FMT)
+    list(APPEND headers <fmt/format.h>)
+  endif()
+  if(arg_GTEST)
+    list(APPEND headers <gtest/gtest.h>)
+  endif()
+  if(arg_JSON)
+    list(APPEND headers <nlohmann/json.hpp>)
+  endif()
+  if(arg_CLI)
+    list(APPEND headers <CLI/CLI.hpp>)
+  endif()
+  target_precompile_headers(${target} PRIVATE ${headers})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # For ccache (with CCACHE_SLOPPINESS=pch_defines,time_macros); and false alarms on string concatenation, which GCC 12
+    # keeps to itself in system headers, but not in precompiled ones.
+    target_compile_options(${target} PRIVATE -fpch-preprocess -Wno-stringop-overflow -Wno-array-bounds)
+  endif()
+  # Kernels have options of their own, which a precompiled header would have to share.
+  get_target_property(sources ${target} SOURCES)
+  list(FILTER sources INCLUDE REGEX "_kernels\\.cpp$")
+  set_source_files_properties(${sources} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
+endfunction()
