@@ -17,7 +17,7 @@ using simd::dependent;
 
 Factorization::Outcome Factorization::factorize() {
   start_all();
-  factorize_active(outcomes_, Count::together);
+  factorize_active(Count::together);
   return finish_all();
 }
 
@@ -46,21 +46,21 @@ Factorization::Outcome Factorization::finish_all() {
 }
 
 Factorization::Outcome Factorization::factorize(int component) {
-  factorize({&component, 1}, outcomes_);
-  return outcomes_[component];
+  return factorize({&component, 1})[component];
 }
 
-void Factorization::factorize(std::span<const int> components, std::span<Outcome> outcomes) {
-  start(components, outcomes);
-  factorize_active(outcomes, Count::each);
+std::span<const Factorization::Outcome> Factorization::factorize(std::span<const int> components) {
+  start(components);
+  factorize_active(Count::each);
+  return outcomes_;
 }
 
-void Factorization::start(std::span<const int> components, std::span<Outcome> outcomes) {
+void Factorization::start(std::span<const int> components) {
   const Symbolic& s = *symbolic_;
   set_active(components);
   if (!dropped_.empty())
     std::erase_if(dropped_, [&](const DroppedRow& d) { return std::ranges::find(components, s.component(d.node)) != components.end(); });
-  for (const int c : components) outcomes[c] = {};
+  for (const int c : components) outcomes_[c] = {};
   complete_ = false;
 }
 

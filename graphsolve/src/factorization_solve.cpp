@@ -233,17 +233,18 @@ Factorization::Outcome Factorization::factorize_and_solve(std::span<double> x) {
   check_size(x, 1);
   start_all();
   const Vectors v = enter(x.data());
-  factorize_active(outcomes_, Count::together, &v);
+  factorize_active(Count::together, &v);
   backward(v, 1);
   return finish_all();
 }
 
-void Factorization::factorize_and_solve(std::span<const int> components, std::span<Outcome> outcomes, std::span<double> x) {
+std::span<const Factorization::Outcome> Factorization::factorize_and_solve(std::span<const int> components, std::span<double> x) {
   check_size(x, 1);
-  start(components, outcomes);
+  start(components);
   const Vectors v = enter(x.data());
-  factorize_active(outcomes, Count::each, &v);
+  factorize_active(Count::each, &v);
   backward(v, 1);
+  return outcomes_;
 }
 
 /// The symmetric kinds solve with A itself.

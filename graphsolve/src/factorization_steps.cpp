@@ -34,11 +34,11 @@ bool Factorization::in_packs() const {
   return symbolic_->packs() == Packs::on && share_.empty() && !(symmetric() && saddle_shift_ != 0);
 }
 
-void Factorization::alone_if_active(int k, std::span<Outcome> outcomes) {
+void Factorization::alone_if_active(int k) {
   if (!takes_part(k)) return;
   const int c = symbolic_->component(symbolic_->node(k));
-  eliminate_from(k, outcomes[c]);
-  if (!outcomes[c].ok()) leave_out(c);
+  eliminate_from(k, outcomes_[c]);
+  if (!outcomes_[c].ok()) leave_out(c);
 }
 
 /// From here on, in this call.
@@ -50,7 +50,7 @@ void Factorization::leave_out(int component) {
 
 /// Outcomes by component, or what packs do all in the first. A component that has failed takes no further part. right: where
 /// given, goes through the forward half of its solve on the way.
-void Factorization::factorize_active(std::span<Outcome> outcomes, Count count, const Vectors* right) {
+void Factorization::factorize_active(Count count, const Vectors* right) {
   const Symbolic& s = *symbolic_;
   prepare();
   if (keep_matrix_) count = Count::each;
@@ -61,30 +61,29 @@ void Factorization::factorize_active(std::span<Outcome> outcomes, Count count, c
   const auto forward = [&](int k) { solve_forward(k, right->x, 1); };
   if (!in_packs()) {  // in the order of the pivots, as refactorize() goes
     for (const int c : active_) {
-      for (int k = s.component_begin(c); k < s.component_begin(c + 1) && outcomes[c].ok(); ++k) {
-        eliminate_from(k, outcomes[c]);
-        if (right != nullptr && outcomes[c].ok()) forward(k);
+      for (int k = s.component_begin(c); k < s.component_begin(c + 1) && outcomes_[c].ok(); ++k) {
+        eliminate_from(k, outcomes_[c]);
+        if (right != nullptr && outcomes_[c].ok()) forward(k);
       }
-      if (!outcomes[c].ok()) leave_out(c);
+      if (!outcomes_[c].ok()) leave_out(c);
     }
     return;
   }
   walk(
       false,
       [&](int pack, unsigned lanes) {
-        eliminate_together(pack, lanes, outcomes, count, numbers);
+        eliminate_together(pack, lanes, count, numbers);
         if (right != nullptr) forward_pack(pack, lanes, *right);
       },
       [&](int k) {
-        alone_if_active(k, outcomes);
+        alone_if_active(k);
         if (right != nullptr && takes_part(k)) forward(k);
       });
 }
 
 /// The lanes of a pack, or, where some have to go alone, runs of lanes between them: what several add to one block is
 /// added in the order of the pivots, in any company.
-void Factorization::eliminate_together(int number, unsigned active, std::span<Outcome> outcomes, Count count,
-                                       const simd::PackNumbers& numbers) {
+void Factorization::eliminate_together(int number, unsigned active, Count count, const simd::PackNumbers& numbers) {
   const Symbolic& s = *symbolic_;
   const simd::PivotPack& pack = s.program().pack(number);
   const auto watch = kind_ == FactorizationKind::cholesky ? simd::Watch::no : simd::Watch::yes;
@@ -95,7 +94,7 @@ void Factorization::eliminate_together(int number, unsigned active, std::span<Ou
                                        : simd::eliminate(job);
     if (other != 0) return other;
     packed_[number] = static_cast<std::uint8_t>(before | lanes);
-    count_pack(pack, lanes, outcomes, count);
+    count_pack(pack, lanes, count);
     for (unsigned rest = lanes & ~before, l = 0; rest != 0; rest >>= 1, ++l) {  // usually none: nothing changes its place
       if (!(rest & 1u)) continue;
       const int k = pack.pivot[l];
@@ -104,7 +103,7 @@ void Factorization::eliminate_together(int number, unsigned active, std::span<Ou
     }
     return 0u;
   };
-  if (keep_matrix_ && largest_entry_ > 0) measure_growth(pack, active, outcomes);
+  if (keep_matrix_ && largest_entry_ > 0) measure_growth(pack, active);
   const unsigned other = together(active);
   if (other == 0) return;
   unsigned run = 0;
@@ -112,13 +111,13 @@ void Factorization::eliminate_together(int number, unsigned active, std::span<Ou
     const bool ends = l == pack.lanes || (other >> l & 1u);
     if (ends && run != 0) together(std::exchange(run, 0));
     if (l == pack.lanes) break;
-    if (ends) alone_if_active(pack.pivot[l], outcomes);
+    if (ends) alone_if_active(pack.pivot[l]);
     else run |= active & 1u << l;
   }
 }
 
 /// Of the blocks of a pack before they are eliminated.
-void Factorization::measure_growth(const simd::PivotPack& pack, unsigned active, std::span<Outcome> outcomes) const {
+void Factorization::measure_growth(const simd::PivotPack& pack, unsigned active) {
   const simd::Shape& shape = symbolic_->program().shape(pack);
   const int d = shape.dimension, lanes = pack.lanes;
   const double* v = values_.data() + pack.place;
@@ -136,12 +135,12 @@ void Factorization::measure_growth(const simd::PivotPack& pack, unsigned active,
   }
   for (int l = 0; l < lanes; ++l) {
     if (!(active >> l & 1u)) continue;
-    Outcome& outcome = outcomes[symbolic_->component(symbolic_->node(pack.pivot[l]))];
+    Outcome& outcome = outcomes_[symbolic_->component(symbolic_->node(pack.pivot[l]))];
     outcome.growth = std::max(outcome.growth, largest[l] / largest_entry_);
   }
 }
 
-void Factorization::count_pack(const simd::PivotPack& pack, unsigned active, std::span<Outcome> outcomes, Count count) {
+void Factorization::count_pack(const simd::PivotPack& pack, unsigned active, Count count) {
   const Symbolic& s = *symbolic_;
   const simd::Shape& shape = s.program().shape(pack);
   const std::int64_t d = shape.dimension, m = shape.coupled_rows;
@@ -153,12 +152,12 @@ void Factorization::count_pack(const simd::PivotPack& pack, unsigned active, std
     const bool negative = shape.saddle && kind_ != FactorizationKind::cholesky;
     (negative ? outcome.inertia.negative : outcome.inertia.positive) += shape.dimension * pivots;
   };
-  if (count == Count::together) return add(outcomes[0], std::popcount(active));
+  if (count == Count::together) return add(outcomes_[0], std::popcount(active));
   const int first = s.component(s.node(pack.pivot[0]));
   const auto& group = s.program().groups()[s.program().group_of(first)];
-  if (group.copies == 1) return add(outcomes[first], std::popcount(active));
+  if (group.copies == 1) return add(outcomes_[first], std::popcount(active));
   for (int l = 0; l < pack.lanes; ++l)
-    if (active >> l & 1u) add(outcomes[group.component[l]], 1);
+    if (active >> l & 1u) add(outcomes_[group.component[l]], 1);
 }
 
 /// Where the factor of a pivot can be read, one scalar after the other: with the values, or a copy.

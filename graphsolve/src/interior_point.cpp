@@ -136,11 +136,10 @@ bool InteriorPoint::factorize() {
   bool regular = true;
   const bool keep = std::ranges::any_of(running_, [&](int c) { return refine_[c] != 0; });
   factorization_.keep_matrix(keep);
-  if (keep) factorization_.factorize(running_, outcomes_);
-  else factorization_.factorize_and_solve(running_, outcomes_, dx_);
+  const auto outcomes = keep ? factorization_.factorize(running_) : factorization_.factorize_and_solve(running_, dx_);
   solved_ = !keep;
   for (const int c : running_) {
-    const auto& outcome = outcomes_[c];
+    const auto& outcome = outcomes[c];
     reports_[c].dropped_rows = outcome.dropped_rows;
     if (!outcome.ok()) {
       trouble_[c] = Status::singular;

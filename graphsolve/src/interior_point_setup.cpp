@@ -59,7 +59,6 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   reports_.resize(components);
   selected_.resize(components);
   std::iota(selected_.begin(), selected_.end(), 0);
-  outcomes_.resize(components);
   running_.reserve(components);
   listed_.reserve(components);
   keep_running_.reserve(components);

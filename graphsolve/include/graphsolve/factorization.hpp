@@ -102,15 +102,16 @@ class Factorization {
   /// those of a matrix nearby: call refine().
   [[nodiscard]] Outcome factorize();
   [[nodiscard]] Outcome factorize(int component);
-  /// Several components, side by side; outcomes by component, others are not touched. The numbers of a component do not
-  /// depend on which others are factored with it, nor on how many equal ones there are (blocks of up to 6 rows).
-  void factorize(std::span<const int> components, std::span<Outcome> outcomes);
+  /// Several components, side by side. Returns outcomes by component, valid until the next factorization; those of the
+  /// others are of earlier calls. The numbers of a component do not depend on which others are factored with it, nor on how many
+  /// equal ones there are (blocks of up to 6 rows).
+  std::span<const Outcome> factorize(std::span<const int> components);
 
   /// factorize() and solve(x) in one pass: each pivot goes through the first half of the solve while its factor is at
   /// hand. The same numbers; where the outcome is not ok, those of x mean nothing.
   [[nodiscard]] Outcome factorize_and_solve(std::span<double> x);
   /// The rows of the other components are not touched.
-  void factorize_and_solve(std::span<const int> components, std::span<Outcome> outcomes, std::span<double> x);
+  std::span<const Outcome> factorize_and_solve(std::span<const int> components, std::span<double> x);
 
   /// Makes room for refactorize(), and for the kept matrix; allocates now. Pivots go one by one from now on, which is
   /// faster in a Symbolic without packs.
@@ -210,7 +211,7 @@ class Factorization {
   void gather_member(int begin, int r, int size, double* l);
   void update_member(int begin, int k, const double* l, int depth);
   void update_after(int begin, int size, const double* l, const double* spread_w);
-  void alone_if_active(int k, std::span<Outcome> outcomes);
+  void alone_if_active(int k);
   bool factorize_pivot(int k, const PivotBlocks& blocks, Outcome& outcome);
   bool factorize_one(int k, const PivotBlocks& blocks, Outcome& outcome);
   bool factorize_pivot_any(int k, const PivotBlocks& blocks, Outcome& outcome);
@@ -241,15 +242,14 @@ class Factorization {
   // Along the program.
   [[nodiscard]] bool in_packs() const;
   [[nodiscard]] bool is_packed(int pivot) const;
-  void start(std::span<const int> components, std::span<Outcome> outcomes);
+  void start(std::span<const int> components);
   void start_all();
   [[nodiscard]] Outcome finish_all();
-  void factorize_active(std::span<Outcome> outcomes, Count count, const Vectors* right = nullptr);
+  void factorize_active(Count count, const Vectors* right = nullptr);
   void leave_out(int component);
-  void eliminate_together(int number, unsigned active, std::span<Outcome> outcomes, Count count,
-                          const simd::PackNumbers& numbers);
-  void measure_growth(const simd::PivotPack& pack, unsigned active, std::span<Outcome> outcomes) const;
-  void count_pack(const simd::PivotPack& pack, unsigned active, std::span<Outcome> outcomes, Count count);
+  void eliminate_together(int number, unsigned active, Count count, const simd::PackNumbers& numbers);
+  void measure_growth(const simd::PivotPack& pack, unsigned active);
+  void count_pack(const simd::PivotPack& pack, unsigned active, Count count);
   // refactorize().
   void restore(int k);
   void collect_redone(std::span<const NodeId> changed);
@@ -326,7 +326,7 @@ class Factorization {
   };
   std::vector<Range> zeroed_;           ///< of the values, ascending; empty: all of them
   std::vector<int> zeroed_begin_;       ///< by group of the program, into zeroed_
-  std::vector<Outcome> outcomes_;       ///< by component
+  std::vector<Outcome> outcomes_;       ///< by component, of the last factorization
   mutable std::vector<int> active_;     ///< components that take part in this call
   mutable std::vector<std::uint8_t> lanes_;  ///< by group of the program: lanes that do; bit 0 for a component alone
   std::vector<int> everything_, refined_;    ///< all components; those that refine() still improves

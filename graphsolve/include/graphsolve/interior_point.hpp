@@ -158,7 +158,6 @@ class InteriorPoint {
   std::span<const double> start_;  ///< the caller's x, which keeps the start until the end of a solve
   // By component.
   std::vector<ComponentReport> reports_;
-  std::vector<Factorization::Outcome> outcomes_;
   std::vector<double> error_, previous_error_, product_, mu_, mu_floor_, alpha_, ratio_, sum_, correction_, scale_,
       tolerance_, change_, good_error_, last_alpha_, port_error_, start_error_,
       start_residual_, largest_ratio_;
