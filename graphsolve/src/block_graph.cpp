@@ -16,6 +16,11 @@ EdgeRank join(EdgeRank a, EdgeRank b) {
 
 }  // namespace
 
+void BlockGraph::reserve(int nodes) {
+  nodes_.reserve(nodes);
+  adjacency_.reserve(nodes);
+}
+
 NodeId BlockGraph::add_node(std::string name, int dimension, NodeKind kind) {
   if (dimension < 1) throw std::invalid_argument("node '" + name + "': dimension " + std::to_string(dimension) + " < 1");
   if (dimension > std::numeric_limits<int>::max() - rows_)

@@ -190,7 +190,7 @@ bool InteriorPoint::straight_to_floor(int c) const {
 /// Without a predictor. One pair that lags behind jams at its bound when the others' targets fall faster than the residual
 /// does.
 double InteriorPoint::floor_target(int c) const {
-  return std::max(mu_floor_[c], superlinear * port_error_[c] * port_error_[c] * scale_[c]);
+  return std::max(mu_floor(c), superlinear * port_error_[c] * port_error_[c] * scale_[c]);
 }
 
 /// Of the iteration's first direction: mu = 0 where some component wants a predictor, else where all go.
@@ -232,7 +232,7 @@ void InteriorPoint::affine_step() {
     const double reduction = std::clamp(nu_affine / nu, 0.0, 1.0);
     // After a short step the pairs are unbalanced: centre before going on.
     const double sigma = last_alpha_[c] < centre_below ? std::max(centring, reduction) : reduction * reduction * reduction;
-    mu_[c] = std::max(sigma * nu, mu_floor_[c]);
+    mu_[c] = std::max(sigma * nu, mu_floor(c));
     correction_[c] = alpha_[c] > 0.1 ? 1 : 0;
   }
 }

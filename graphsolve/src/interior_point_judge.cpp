@@ -58,24 +58,23 @@ void InteriorPoint::judge_component(int c) {
     return;
   }
   if (trouble_[c] != Status::solved) return;
-  if (good_[c] && !(error_[c] <= tolerance_[c])) {
+  if (good_[c] && !(error_[c] <= tolerance(c))) {
     undo(c);
     end(c);
     return;
   }
-  if (error_[c] <= tolerance_[c] && product_[c] <= settings_.largest_product * scale_[c]) {
+  if (error_[c] <= tolerance(c) && product_[c] <= settings_.largest_product * scale_[c]) {
     end(c);
     return;
   }
   if (unsound(c)) return;
   // Products that do not fall in a few steps belong to forces that are not unique; rounding keeps them up.
   const bool polishing_ends = good_[c] >= most_polishes || (good_[c] > 0 && alpha_[c] < centre_below);
-  if (error_[c] <= tolerance_[c] && polishing_ends) {
+  if (error_[c] <= tolerance(c) && polishing_ends) {
     end(c);
     return;
   }
-  good_[c] = static_cast<char>(error_[c] <= tolerance_[c] ? good_[c] + 1 : 0);
-  good_error_[c] = error_[c];
+  good_[c] = static_cast<char>(error_[c] <= tolerance(c) ? good_[c] + 1 : 0);
   if (degree_[c] == 0 && backtrack(c)) return;
   const int most = degree_[c] == 0 ? newton_iterations : settings_.max_iterations;
   if (attempt_iterations_[c] >= most) trouble_[c] = Status::max_iterations;
@@ -90,7 +89,7 @@ void InteriorPoint::undo(int c) {
   const auto ports = problem_.ports();
   for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->accept(of_component(port_lists_[b], c), alpha_);
   move_by(c, -step);
-  reports_[c].residual = good_error_[c];
+  reports_[c].residual = previous_error_[c];
   undone_ = true;
 }
 
@@ -99,7 +98,7 @@ void InteriorPoint::undo(int c) {
 /// back first.
 bool InteriorPoint::unsound(int c) {
   if (refine_[c] || degree_[c] == 0 || attempt_iterations_[c] == 0) return false;
-  if (previous_error_[c] > refine_below || error_[c] <= tolerance_[c]) return false;
+  if (previous_error_[c] > refine_below || error_[c] <= tolerance(c)) return false;
   const double of_barrier = barrier_share * std::sqrt(mu_[c] / scale_[c]);  // pairs end near s = z / scale = this
   if (error_[c] < std::max(0.1 * previous_error_[c], of_barrier) || alpha_[c] < 0.9) {
     if (!(error_[c] > 10 * previous_error_[c])) return false;

@@ -38,7 +38,6 @@ Status InteriorPoint::linearize(std::span<double> x, double smoothing, double st
   for (const int c : running_) {
     mu_[c] = smoothing * scale_[c];
     correction_[c] = 0;
-    largest_ratio_[c] = stiffness * scale_[c];
   }
   const bool moves = smoothing > settings_.largest_product &&
                      std::any_of(running_.begin(), running_.end(), [&](int c) { return degree_[c] > 0; });
@@ -49,9 +48,10 @@ Status InteriorPoint::linearize(std::span<double> x, double smoothing, double st
   bool arrived = !moves;
   for (int k = 0;; ++k) {
     evaluate_terms_into(target);
+    for (const int c : running_) ratio_[c] = stiffness * scale_[c];
     for (std::size_t b = 0; b < ports.size(); ++b) {
       ports[b]->evaluate(running(port_lists_[b]), x_, residual_, scale_, error_, product_);
-      ports[b]->condense(running(port_lists_[b]), largest_ratio_, target.values().data());
+      ports[b]->condense(running(port_lists_[b]), ratio_, target.values().data());
     }
     if (!target.factorize().ok()) return Status::singular;
     if (arrived) break;

@@ -38,9 +38,8 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   for (auto* v : {&x_, &dx_, &rhs_, &residual_}) v->assign(s.rows(), 0.0);
   row_scale_.assign(s.rows(), std::numeric_limits<double>::quiet_NaN());
   std::ranges::copy(problem_.row_scale(), row_scale_.begin());
-  for (auto* v : {&error_, &previous_error_, &product_, &mu_, &mu_floor_, &alpha_, &ratio_, &sum_, &correction_, &scale_,
-                  &tolerance_, &change_, &good_error_, &last_alpha_, &port_error_, &start_error_,
-                  &start_residual_, &largest_ratio_})
+  for (auto* v : {&error_, &previous_error_, &product_, &mu_, &alpha_, &ratio_, &sum_, &correction_, &scale_, &change_,
+                  &last_alpha_, &port_error_, &start_error_, &start_residual_})
     v->assign(components, 0.0);
   for (auto* v : {&degree_, &attempt_iterations_, &short_steps_, &halvings_, &freezes_, &expected_iterations_})
     v->assign(components, 0);
@@ -74,6 +73,7 @@ void InteriorPoint::join(std::vector<RowRange>& ranges, std::size_t first, const
 void InteriorPoint::find_row_ranges() {
   const Symbolic& s = factorization_.symbolic();
   std::vector<RowRange> rows;
+  row_range_begin_.reserve(s.components() + 1);
   for (int c = 0; c < s.components(); ++c) {
     row_range_begin_.push_back(static_cast<int>(row_ranges_.size()));
     rows.clear();
@@ -84,6 +84,7 @@ void InteriorPoint::find_row_ranges() {
     for (const RowRange& next : rows) join(row_ranges_, first, next);
   }
   row_range_begin_.push_back(static_cast<int>(row_ranges_.size()));
+  row_ranges_.shrink_to_fit();
   running_rows_.reserve(row_ranges_.size());
 }
 
@@ -144,6 +145,7 @@ void InteriorPoint::begin(std::span<const double> x, double force_factor, std::s
                                 std::to_string(reports_.size()) + " components");
   std::copy(x.begin(), x.end(), x_.begin());
   start_ = x;
+  noise_ = noise;
   running_.assign(selected_.begin(), selected_.end());
   set_running();
   scales_known_ = std::all_of(running_.begin(), running_.end(), [&](int c) { return scaled_[c] != 0; });
@@ -157,7 +159,6 @@ void InteriorPoint::begin(std::span<const double> x, double force_factor, std::s
     alpha_[c] = 1;
     attempt_iterations_[c] = short_steps_[c] = halvings_[c] = freezes_[c] = degree_[c] = 0;
     previous_error_[c] = scale_[c] = 0;
-    tolerance_[c] = noise.empty() ? settings_.tolerance : std::max(settings_.tolerance, noise[c]);
   }
   const auto ports = problem_.ports();
   for (std::size_t b = 0; b < ports.size(); ++b) {
@@ -167,10 +168,6 @@ void InteriorPoint::begin(std::span<const double> x, double force_factor, std::s
       degree_[c] += ports[b]->degree(i);
       scale_[c] = std::max(scale_[c], ports[b]->scale(i));
     }
-  }
-  for (const int c : running_) {
-    const double least = 0.01 * settings_.tolerance;
-    mu_floor_[c] = least * least * scale_[c];
   }
 }
 

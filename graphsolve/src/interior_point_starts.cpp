@@ -23,19 +23,19 @@ void InteriorPoint::start_warm() {
   evaluate_terms(most_expect_to_end() ? With::residual_alone : With::matrix, residual_);
   const bool with_ports = std::ranges::any_of(running_, [&](int c) { return degree_[c] > 0; });
   if (with_ports) copy_rows(running_rows_, residual_, rhs_);
-  for (const int c : running_) mu_[c] = mu_floor_[c];
+  for (const int c : running_) mu_[c] = mu_floor(c);
   start();
   evaluate_ports();
   bool again = false;
   for (const int c : running_) {
     start_error_[c] = port_error_[c];
     start_residual_[c] = error_[c];
-    if (degree_[c] == 0 || error_[c] <= tolerance_[c]) continue;
+    if (degree_[c] == 0 || error_[c] <= tolerance(c)) continue;
     // Rows that know nothing of the ports say little about how far these are from their path.
     const double e = std::max(port_error_[c], 0.03 * error_[c]);
     // Only what the ports themselves see may lift the barrier above 1 m/s: rows with a large scale are no measure.
     const double most = std::max(1.0, 0.1 * port_error_[c] * port_error_[c]);
-    mu_[c] = std::clamp(0.1 * e * e * scale_[c], mu_floor_[c], most * scale_[c]);
+    mu_[c] = std::clamp(0.1 * e * e * scale_[c], mu_floor(c), most * scale_[c]);
     again = true;
   }
   if (!again) return;

@@ -34,6 +34,9 @@ enum class EdgeRank {
 /// (structurally symmetric, values free). Knows dimensions and names, no numbers.
 class BlockGraph {
  public:
+  /// Room for so many nodes, where their number is known before: a graph is kept as long as what is made of it.
+  void reserve(int nodes);
+
   /// Throws std::invalid_argument when dimension < 1.
   NodeId add_node(std::string name, int dimension, NodeKind kind = NodeKind::regular);
 

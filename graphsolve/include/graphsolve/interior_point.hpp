@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <vector>
@@ -132,6 +133,15 @@ class InteriorPoint {
   void restart_cold(int component, double velocity);
   void blame(int component);
   bool factorize();
+  /// Of the residual.
+  [[nodiscard]] double tolerance(int component) const {
+    return noise_.empty() ? settings_.tolerance : std::max(settings_.tolerance, noise_[component]);
+  }
+  /// The lowest barrier.
+  [[nodiscard]] double mu_floor(int component) const {
+    const double least = 0.01 * settings_.tolerance;
+    return least * least * scale_[component];
+  }
   [[nodiscard]] bool straight_to_floor(int component) const;
   [[nodiscard]] double floor_target(int component) const;
   void first_target();
@@ -156,11 +166,11 @@ class InteriorPoint {
   std::vector<RowRange> running_rows_;  ///< of all running components, neighbours joined
   std::vector<double> x_, dx_, rhs_, residual_, row_scale_;
   std::span<const double> start_;  ///< the caller's x, which keeps the start until the end of a solve
+  std::span<const double> noise_;  ///< the caller's, likewise
   // By component.
   std::vector<ComponentReport> reports_;
-  std::vector<double> error_, previous_error_, product_, mu_, mu_floor_, alpha_, ratio_, sum_, correction_, scale_,
-      tolerance_, change_, good_error_, last_alpha_, port_error_, start_error_,
-      start_residual_, largest_ratio_;
+  std::vector<double> error_, previous_error_, product_, mu_, alpha_, ratio_, sum_, correction_, scale_, change_,
+      last_alpha_, port_error_, start_error_, start_residual_;
   std::vector<int> degree_, attempt_iterations_, short_steps_, halvings_, freezes_,
       expected_iterations_;  ///< those that the solve before took
   std::vector<Status> trouble_;  ///< why the present attempt has to end; solved: it need not
