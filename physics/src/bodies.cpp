@@ -50,6 +50,7 @@ void Bodies::evaluate(graphsolve::Instances instances, std::span<const double> x
     BodyTask task;
     task.body = &octets_[octet];
     task.at = &at_[octet];
+    task.residual = &residual_[joints_push_ ? octet : 0];
     task.used = used;
     task.dt = dt;
     task.rows = rows_[octet].data();
@@ -58,12 +59,17 @@ void Bodies::evaluate(graphsolve::Instances instances, std::span<const double> x
     task.turn_always = turn_always;
     task.blocks = &blocks_[octet];
     kernels_.evaluate(task);
+    if (!joints_push_) kernels_.hand_out(*task.residual, used, task.rows, residual.data());
   });
-  if (!joints_push) hand_out(residual);
+}
+
+void Bodies::let_joints_push() {
+  joints_push_ = true;
+  residual_.resize(octets_.size());
 }
 
 void Bodies::hand_out(std::span<double> residual) {
-  groups_.each_again([&](int octet, unsigned used) { kernels_.hand_out(at_[octet], used, rows_[octet].data(), residual.data()); });
+  groups_.each_again([&](int octet, unsigned used) { kernels_.hand_out(residual_[octet], used, rows_[octet].data(), residual.data()); });
 }
 
 /// Keeps |w + alpha dw| dt below the bound: the larger root of a quadratic in alpha.

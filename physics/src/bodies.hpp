@@ -47,7 +47,6 @@ class Bodies final : public graphsolve::Term {
   double dt = 0;
   bool force_at_next = false;  ///< directions of constraint forces are taken at z_{k+2} instead of z_{k+1}
   bool turn_always = true;     ///< turns are made at every iterate, for contacts; else where the matrix is
-  bool joints_push = false;    ///< joints add to the residual in octets, and hand it out
 
   // One body: what it is, and its state.
   [[nodiscard]] double mass(int i) const { return octet_with(i).mass[lane_with(i)]; }
@@ -109,10 +108,12 @@ class Bodies final : public graphsolve::Term {
                 double* values) override;
   void bound_step(graphsolve::Instances instances, std::span<const double> x, std::span<const double> dx,
                   std::span<double> alpha) const override;
-  /// After evaluate, where joints_push: residual of an octet, or of one body, loses what joints do; then it is handed out.
-  void push(int octet, unsigned used, const Octet* wrench) { kernels_.push(at_[octet], used, wrench); }
+  /// Once they are wired: joints add to the residual in octets, and hand it out.
+  void let_joints_push();
+  /// After evaluate: residual of an octet, or of one body, loses what joints do; then it is handed out.
+  void push(int octet, unsigned used, const Octet* wrench) { kernels_.push(residual_[octet], used, wrench); }
   void push_one(int place, const Octet* wrench, int lane) {
-    double* to = &at_[octet_of(place)].residual[0][lane_of(place)];
+    double* to = &residual_[octet_of(place)][0][lane_of(place)];
     const double* from = &wrench[0].lane[lane];
     for (int k = 0; k < 6; ++k) to[k * graphsolve::simd::lanes] -= from[k * graphsolve::simd::lanes];
   }
@@ -144,8 +145,10 @@ class Bodies final : public graphsolve::Term {
   std::vector<BodyOctet> octets_;
   std::vector<BodyOctet::State> saved_;
   std::vector<BodyAtOctet> at_;
+  std::vector<ResidualOctet> residual_;  ///< where joints push; else one for all, handed out at once
   std::vector<graphsolve::simd::LaneBlocks> blocks_;  ///< by octet
   std::vector<std::array<int, graphsolve::simd::lanes>> rows_;  ///< by octet; of lanes without a body those of one that is there
+  bool joints_push_ = false;
   OctetGroups groups_;
   OctetsOfCopies of_copies_;
 };

@@ -40,6 +40,7 @@ void Bodies::move_to(std::vector<int> places) {
   place_ = std::move(places);
   saved_.assign(octets + 1, {});
   at_.assign(octets + 1, BodyAtOctet::at_origin());
+  residual_.resize(1);
 }
 
 void Bodies::set(int i, const RigidBody& body, const Vec3& gravity) {

@@ -129,7 +129,7 @@ void StepGradient::Impl::add_load_arms() {
   const int step = l.step_index + 1;
   for (const Load& load : l.mechanism.loads) {
     if (step < load.first_step || step > load.last_step) continue;
-    const Placement& place = l.placement[load.body.index];
+    const Placement place = l.place(load.body.index);
     if (place.body < 0 || place.offset.isZero()) continue;
     const Vec3 local = simulator.bodies.pose_now(place.body).rotation.transpose() * load.force;
     sensitivity.pose[place.body].bottomRightCorner<3, 3>() -= impulse_time * skew(place.offset) * skew(local);
@@ -169,7 +169,10 @@ StepGradient& StepGradient::operator=(StepGradient&&) noexcept = default;
 GradientStatus StepGradient::evaluate() { return impl_->evaluate(); }
 int StepGradient::moving_bodies() const { return impl_->bodies(); }
 int StepGradient::moving_body(BodyId body) const {
-  return body.is_world() ? -1 : impl_->lane().placement.at(body.index).body;
+  if (body.is_world()) return -1;
+  const Lane& l = impl_->lane();
+  if (body.index >= std::ssize(l.mechanism.bodies)) throw std::out_of_range(fmt::format("there is no body {}", body.index));
+  return l.place(body.index).body;
 }
 int StepGradient::state_size() const { return impl_->columns(StepInput::state); }
 int StepGradient::columns(StepInput input) const { return impl_->columns(input); }

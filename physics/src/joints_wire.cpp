@@ -25,7 +25,7 @@ void Joints::wire(const graphsolve::Wiring& wiring) {
   find_neighbours();
   find_pushes();
   make_tasks();
-  bodies_.joints_push = true;
+  bodies_.let_joints_push();
 }
 
 /// Makes octets for these places, by joint. Motors and force directions come along from where they were.

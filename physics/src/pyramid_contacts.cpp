@@ -107,7 +107,8 @@ void PyramidContacts::point_at_poses(ContactTask& task, int octet, When when) co
     return;
   }
   const auto& places = lane_places_[octet].body;
-  for (int l = 0; l < graphsolve::simd::lanes; ++l) task.pose[l] = &poses(octet_of(places[l]))->lane[lane_of(places[l])];
+  const int lanes = task.one_body ? 1 : graphsolve::simd::lanes;
+  for (int l = 0; l < lanes; ++l) task.pose[l] = &poses(octet_of(places[l]))->lane[lane_of(places[l])];
 }
 
 template <class T>

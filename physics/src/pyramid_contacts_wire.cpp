@@ -11,6 +11,7 @@ namespace physics {
 
 void PyramidContacts::wire(const graphsolve::Wiring& wiring) {
   if (seats_.empty()) return;
+  seats_.shrink_to_fit();
   std::vector<Placed> placed;
   for (const Seat& seat : seats_) placed.push_back({0, wiring.block(seat.node, seat.node)});
   place_ = places_in_octets(placed);

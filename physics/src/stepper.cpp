@@ -218,7 +218,7 @@ void Stepper::apply_loads(int lane, double time_of_impulse) {
   const int step = l.step_index + 1;
   for (const Load& load : l.mechanism.loads) {
     if (step < load.first_step || step > load.last_step) continue;
-    const Placement& place = l.placement[load.body.index];
+    const Placement place = l.place(load.body.index);
     if (place.body < 0) continue;
     const int i = body(lane, place.body);
     // The force acts at the described body's own centre of mass.
@@ -242,19 +242,20 @@ void Stepper::commit(std::span<const int> moved, double h) {
 
 void Stepper::save(std::span<const int> saved) {
   bodies.save();
-  const int rows = rows_per_lane();
   for (const int lane : saved) {
     lanes[lane].saved_state = lanes[lane].state;
-    std::copy_n(unknowns.data() + lane * rows, rows, saved_unknowns.data() + lane * rows);
+    const auto of_joints = impulses(lane);
+    std::ranges::copy(of_joints, saved_impulses.begin() + lane * std::ssize(of_joints));
     for (int k = 0; joints.any_motor() && k < joints_per_lane; ++k) joints.save(joint(lane, k));
   }
 }
 
 void Stepper::restore(int lane) {
   lanes[lane].state = lanes[lane].saved_state;
-  const int rows = rows_per_lane();
-  std::copy_n(saved_unknowns.data() + lane * rows, rows, unknowns.data() + lane * rows);
   bodies.restore(lane);
+  begin_with_velocities(lane);
+  const auto of_joints = impulses(lane);
+  std::copy_n(saved_impulses.begin() + lane * std::ssize(of_joints), of_joints.size(), of_joints.begin());
   for (int k = 0; k < joints_per_lane; ++k) joints.restore(joint(lane, k));
   contacts->clear(lane);
 }

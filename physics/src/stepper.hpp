@@ -33,7 +33,7 @@ struct Lane {
   };
 
   Mechanism mechanism;
-  std::vector<Placement> placement;  ///< of the described bodies in the rigid ones
+  std::vector<Placement> placement;  ///< of the described bodies in the rigid ones; empty where each is one by itself
   std::vector<int> islands;  ///< components of the graph
   LaneState state, saved_state;
   int step_index = 0;
@@ -44,6 +44,10 @@ struct Lane {
   StepResult last;
   StepResult before;  ///< of the last step that was solved
   graphsolve::ComponentReport failure;  ///< of the last component that failed
+
+  [[nodiscard]] Placement place(int body) const {
+    return placement.empty() ? Placement{.body = body, .leads = true} : placement[body];
+  }
 };
 
 /// What Simulator and BatchSimulator stand on: equal scenes with numbers of their own (lanes) side by side in one graph.
@@ -74,6 +78,11 @@ struct Stepper {
   [[nodiscard]] graphsolve::NodeId joint_node(int lane, int item) const { return body_node(lane, bodies_per_lane + item); }
   [[nodiscard]] int rows_per_lane() const { return static_cast<int>(unknowns.size()) / count(); }
   [[nodiscard]] int count() const { return side_by_side.copies(); }
+  /// Of a lane's joints, among the unknowns: they follow the velocities.
+  [[nodiscard]] std::span<double> impulses(int lane) {
+    const int rows = rows_per_lane(), velocities = 6 * bodies_per_lane;
+    return std::span(unknowns).subspan(lane * rows + velocities, rows - velocities);
+  }
 
   // Reports on one lane.
   [[nodiscard]] double energy(int lane) const;
@@ -105,7 +114,7 @@ struct Stepper {
   std::vector<int> island;      ///< of each rigid body
   std::vector<double> noise;    ///< by island
   std::vector<double> unknowns; ///< velocities and joint impulses of the last step, start of the next
-  std::vector<double> saved_unknowns;
+  std::vector<double> saved_impulses;  ///< of joints, lane by lane; velocities are saved with the bodies
   PhaseTimes times;
   graphsolve::Profile profile;
   ProblemSize size;

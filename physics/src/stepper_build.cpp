@@ -20,6 +20,7 @@ int joint_rows(const Mechanism& mechanism, const JointGeometry& joint) {
 graphsolve::BlockGraph make_graph(const Mechanism& mechanism, const Assembly& assembly, int copies) {
   using namespace graphsolve;
   BlockGraph graph;
+  graph.reserve(copies * static_cast<int>(assembly.bodies.size() + assembly.joints.size()));
   for (int copy = 0; copy < copies; ++copy) {
     const int first = graph.size();
     for (const RigidBody& body : assembly.bodies) graph.add_node(body.name, 6, NodeKind::regular);
@@ -84,7 +85,7 @@ Assembly Stepper::describe(int lane, Mechanism scene) {
   const auto shrink = [](auto&... lists) { (lists.shrink_to_fit(), ...); };
   shrink(scene.bodies, scene.joints, scene.contacts, scene.loads);  // kept as long as the lane is
   lanes[lane].mechanism = std::move(scene);
-  lanes[lane].placement = assembly.placement;
+  if (assembly.bodies.size() != lanes[lane].mechanism.bodies.size()) lanes[lane].placement = assembly.placement;
   return assembly;
 }
 
@@ -142,10 +143,11 @@ void Stepper::make_solver(const Assembly& assembly, const Stepper* same) {
     for (int k = 0; k < bodies_per_lane; ++k) islands.push_back(island[body(lane, k)]);
     std::sort(islands.begin(), islands.end());
     islands.erase(std::unique(islands.begin(), islands.end()), islands.end());
+    islands.shrink_to_fit();
   }
   noise.assign(symbolic->components(), 0.0);
   unknowns.assign(symbolic->rows(), 0.0);
-  saved_unknowns = unknowns;
+  saved_impulses.assign(count() * impulses(0).size(), 0.0);
   for (auto* list : {&going_, &solving_, &solved_}) list->reserve(lanes.size());
   components_.reserve(symbolic->components());
   solver = std::make_unique<graphsolve::InteriorPoint>(*problem, plan,

@@ -54,7 +54,7 @@ Vec3 Stepper::angular_momentum(int lane) const {
 void Stepper::write_bodies(int lane, std::span<BodyRecord> records) const {
   const Lane& l = lanes[lane];
   for (std::size_t k = 0; k < records.size(); ++k) {
-    const Placement& place = l.placement[k];
+    const Placement place = l.place(static_cast<int>(k));
     BodyRecord& record = records[k];
     if (place.body < 0) {
       record = {place.offset, place.rotation, Vec3::Zero(), Vec3::Zero()};
@@ -123,8 +123,8 @@ std::string Stepper::failure_place(int lane) const {
   std::string thing;
   if (const int node = failure.worst_node.index - body_node(lane, 0).index; failure.worst_node.index >= 0) {
     if (node < bodies_per_lane) {
-      const auto is_it = [&](const Placement& place) { return place.leads && place.body == node; };
-      const auto k = std::ranges::find_if(l.placement, is_it) - l.placement.begin();
+      int k = 0;
+      while (!l.place(k).leads || l.place(k).body != node) ++k;
       thing = fmt::format("body '{}'", l.mechanism.bodies[k].name);
     } else {
       const int source = joints.geometry(joint(lane, node - bodies_per_lane)).source;

@@ -29,7 +29,7 @@ void Stepper::check_structure(const Mechanism& scene, const Assembly& assembly) 
   same_number(scene.contacts.size(), first.contacts.size(), "contacts");
   if (scene.time_step != dt) misfit(scene.name, fmt::format("its time step is {} s, not {} s", scene.time_step, dt));
   for (std::size_t k = 0; k < scene.bodies.size(); ++k)
-    if (assembly.placement[k].body != lanes[0].placement[k].body)
+    if (assembly.placement[k].body != lanes[0].place(static_cast<int>(k)).body)
       misfit(scene.name, fmt::format("body '{}' is held by another fixed joint", scene.bodies[k].name));
   same_number(assembly.joints.size(), joints_per_lane, "joints between bodies that move");
   for (std::size_t k = 0; k < assembly.joints.size(); ++k) {
@@ -66,7 +66,7 @@ void Stepper::set_state(int lane, std::span<const BodyRecord> records, bool half
     bodies.set_velocity(body(lane, k), Vec3::Zero(), Vec3::Zero());
   }
   for (std::size_t k = 0; k < records.size(); ++k) {
-    const Placement& place = l.placement[k];
+    const Placement place = l.place(static_cast<int>(k));
     if (place.body < 0) continue;
     const BodyRecord& record = records[k];
     const int i = body(lane, place.body);

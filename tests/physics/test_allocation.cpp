@@ -232,10 +232,10 @@ Mechanism balls(int n) {
 }
 
 TEST_F(Allocation, OfALinkIsBounded) {
-  EXPECT_LE(bytes_per_link("snake"), 7560) << "with one contact";
-  EXPECT_LE(bytes_per_link("pendulum"), 6310);
+  EXPECT_LE(bytes_per_link("snake"), 7330) << "with one contact";
+  EXPECT_LE(bytes_per_link("pendulum"), 6110);
 }
 
-TEST_F(Allocation, OfABodyWithOneContactIsBounded) { EXPECT_LE(bytes_per_link("balls, one contact each", balls), 4300); }
+TEST_F(Allocation, OfABodyWithOneContactIsBounded) { EXPECT_LE(bytes_per_link("balls, one contact each", balls), 3980); }
 
 }  // namespace

@@ -74,8 +74,9 @@ void EvaluateBodies(const BodyTask& task) {
   const Pack mass = load(body.mass);
   const Matrix3 inertia = load33(body.inertia);
   const Vector3 jw = inertia * w;
-  keep(mass * v - load3(body.known), task.at->residual);
-  keep(half * (s * jw + cross(w, jw)) - load3(body.known + 3), task.at->residual + 3);
+  Octet* residual = task.residual->data();
+  keep(mass * v - load3(body.known), residual);
+  keep(half * (s * jw + cross(w, jw)) - load3(body.known + 3), residual + 3);
 
   if (!task.values && !task.turn_always) return;
   const Vector3 w_over_s = (Pack(1.0) / s) * w;
@@ -95,16 +96,16 @@ void EvaluateBodies(const BodyTask& task) {
   block.finish();
 }
 
-void Push(BodyAtOctet& at, unsigned used, const Octet* wrench) {
+void Push(ResidualOctet& residual, unsigned used, const Octet* wrench) {
   const Keeper keep(used);
-  for (int k = 0; k < 6; ++k) keep(load(at.residual[k]) - load(wrench[k]), at.residual[k]);
+  for (int k = 0; k < 6; ++k) keep(load(residual[k]) - load(wrench[k]), residual[k]);
 }
 
-void HandOut(const BodyAtOctet& at, unsigned used, const int* rows, double* residual) {
+void HandOut(const ResidualOctet& residual, unsigned used, const int* rows, double* all) {
   Pack numbers[6];
-  for (int k = 0; k < 6; ++k) numbers[k] = load(at.residual[k]);
+  for (int k = 0; k < 6; ++k) numbers[k] = load(residual[k]);
   double* to[8];
-  for (int l = 0; l < 8; ++l) to[l] = residual + rows[l];
+  for (int l = 0; l < 8; ++l) to[l] = all + rows[l];
   gs::add_transposed(numbers, 6, to, used, 1.0);
 }
 

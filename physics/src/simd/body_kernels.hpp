@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 
 #include "graphsolve/simd/lane_blocks.hpp"
 #include "simd/octet.hpp"
@@ -33,7 +34,6 @@ struct BodyAtOctet {
   static constexpr int numbers = 25;
   Octet pose[numbers];  ///< NextPose
   Octet velocity[6];    ///< v, w
-  Octet residual[6];    ///< of the bodies' rows, until it is handed out
 
   static BodyAtOctet at_origin() {
     BodyAtOctet octet{};
@@ -42,10 +42,14 @@ struct BodyAtOctet {
   }
 };
 
+/// Residual of eight bodies' rows, until it is handed out.
+using ResidualOctet = std::array<Octet, 6>;
+
 /// Eight bodies (or fewer: bit per lane in `used`; the others keep what they have).
 struct BodyTask {
   const BodyOctet* body;
   BodyAtOctet* at;                 ///< out
+  ResidualOctet* residual;         ///< out
   unsigned used;
   double dt;
   const int* rows;                 ///< first row of each body
@@ -73,8 +77,8 @@ struct BodyKernels {
   void (*keep_energies)(BodyOctet&, unsigned used);  ///< of the state
   unsigned (*begin)(BodyOctet&, unsigned used, const BodyStart&);  ///< momenta; StartBeyond
   void (*evaluate)(const BodyTask&);         ///< poses, residual and its derivative: Bodies says which
-  void (*push)(BodyAtOctet&, unsigned used, const Octet* wrench);  ///< residual -= wrench, 6
-  void (*hand_out)(const BodyAtOctet&, unsigned used, const int* rows, double* residual);  ///< adds to the rows
+  void (*push)(ResidualOctet&, unsigned used, const Octet* wrench);  ///< residual -= wrench, 6
+  void (*hand_out)(const ResidualOctet&, unsigned used, const int* rows, double* all);  ///< adds to the rows
   void (*commit)(BodyOctet&, unsigned used, const BodyAtOctet&);  ///< keeps energies; the state becomes that at the iterate
 };
 BodyKernels body_kernels();

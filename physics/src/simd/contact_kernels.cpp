@@ -162,6 +162,11 @@ void Condense(const ContactTask& task) {
   gs::put_blocks(block, 36, task.values, *task.blocks, task.used, 1.0);
 }
 
+/// Of the row of a pair: its residual, and what its product lacks of mu, as a velocity.
+HWY_INLINE Pack shift(const ContactOctet& o, int pair, const Pack& defect) {
+  return load(o.residual[pair]) + defect * load(o.inverse_z[pair]);
+}
+
 void RightHandSide(const ContactTask& task) {
   ContactOctet& o = *task.octet;
   const Pack mu = load(task.first), correction = load(task.second);
@@ -175,9 +180,8 @@ void RightHandSide(const ContactTask& task) {
     return d;
   };
   for (int k = 0; k < bound; ++k) {
-    const Pack shift = load(o.residual[k]) + defect(k) * load(o.inverse_z[k]);
-    store(shift, o.shift[k]);
-    weighted[k] = load(o.ratio[k]) * shift;
+    const Pack d = defect(k);
+    weighted[k] = load(o.ratio[k]) * shift(o, k, d);
   }
   const Pack psi = (friction(o) * weighted[0] - (load(o.residual[bound]) + defect(bound) * load(o.inverse_s[bound])) -
                     (weighted[1] + weighted[2] + weighted[3] + weighted[4])) *
@@ -206,8 +210,9 @@ void Recover(ContactTask& task) {
     ratio.take(-dz * inverse_z, 0);
     ratio.take(-ds * load(o.inverse_s[k]), 1);
   };
-  finish(0, -load(o.ratio[0]) * (du.n + load(o.shift[0])));
-  for (int i = 0; i < facets; ++i) finish(1 + i, -load(o.ratio[1 + i]) * (along(du, i) + psi + load(o.shift[1 + i])));
+  const auto shifted = [&](int k) HWY_ATTR { return shift(o, k, load(o.defect[k])); };
+  finish(0, -load(o.ratio[0]) * (du.n + shifted(0)));
+  for (int i = 0; i < facets; ++i) finish(1 + i, -load(o.ratio[1 + i]) * (along(du, i) + psi + shifted(1 + i)));
   // As in the other pairs: the impulse from the condensed system, the velocity from the product.
   finish(bound, -load(o.defect[bound]) * load(o.inverse_s[bound]) - load(o.ratio[bound]) * psi);
   store(ratio.value(), task.out);

@@ -21,7 +21,7 @@ struct ContactOctet {
   Octet s[pairs], z[pairs], ds[pairs], dz[pairs], remembered_s[pairs], remembered_z[pairs];
   Octet frozen;        ///< 1: the friction bound is held at frozen_bound
   Octet frozen_bound;
-  Octet residual[pairs], inverse_s[pairs], inverse_z[pairs], ratio[pairs], defect[pairs], shift[pairs];
+  Octet residual[pairs], inverse_s[pairs], inverse_z[pairs], ratio[pairs], defect[pairs];
   Octet psi_shift, one_over_sum;
   Octet saved_z[pairs - 1], saved_tangent[3];  ///< of the step before, in case this one fails
 };
@@ -33,7 +33,7 @@ struct ContactTask {
   unsigned used;
   bool one_body;            ///< all on the same one
   double dt;
-  const double* pose[8];    ///< numbers of a NextPose, each in an octet; a Pose will do to look and to remember
+  const double* pose[8];    ///< numbers of a NextPose, each in an octet (a Pose to look, to remember); one_body: only [0]
   const Octet* poses = nullptr;       ///< all of them instead, where they lie in the same lanes
   const Octet* velocities = nullptr;  ///< there, the six of x at the iterate
   const double* x[8];       ///< v, w of the body, or their change
