@@ -160,6 +160,7 @@ RolloutFile::RolloutFile(const std::string& path, const RolloutRequest& request,
   if (std::filesystem::exists(path, error) && !std::filesystem::is_directory(path, error) &&
       !std::filesystem::is_regular_file(path, error))
     throw DescriptionError(fmt::format("cannot write '{}': only an ordinary file can be continued", path));
+  lock_.emplace(path);
   Lines lines(path);
   std::string line;
   const bool begun = lines.in && lines.next(line);

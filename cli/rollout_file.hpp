@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "file_lock.hpp"
 #include "physics/batch_run.hpp"
 #include "physics/batch_variation.hpp"
 
@@ -67,6 +69,7 @@ class RolloutFile {
 
  private:
   std::string path_;
+  std::optional<FileLock> lock_;
   std::ofstream out_;
   long long next_;
   Tally tally_;
