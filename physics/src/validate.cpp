@@ -14,6 +14,7 @@ namespace {
 
 constexpr double unit_tolerance = 1e-6;     ///< vectors and quaternions this near to unit are normalised
 constexpr double inertia_tolerance = 1e-9;  ///< relative; a flat disc lies on the triangle inequality
+constexpr int most_directions = 1024;       ///< the cost of a contact grows with their square
 constexpr double largest_turn = 1.9;        ///< |w| dt; the update of a quaternion ends at 2
 
 template <class... Arguments>
@@ -214,8 +215,8 @@ void check_contact(const Mechanism& mechanism, Contact& contact) {
   check_unit(thing, "normal", contact.normal);
   check_finite(thing, "plane point", contact.plane_point);
   if (contact.friction) check_not_negative(thing, "friction", *contact.friction);
-  if (contact.directions < 4 || contact.directions % 2 != 0)
-    fail("{}: directions {} is not an even number >= 4", thing, contact.directions);
+  if (contact.directions < 4 || contact.directions > most_directions || contact.directions % 2 != 0)
+    fail("{}: directions {} is not an even number from 4 to {}", thing, contact.directions, most_directions);
   if (contact.tangent) check_tangent(thing, contact.normal, *contact.tangent);
   check_not_negative(thing, "radius", contact.radius);
 }

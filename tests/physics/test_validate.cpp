@@ -262,9 +262,9 @@ TEST(Validate, NamesAWrongFriction) {
 
 TEST(Validate, WantsAnEvenNumberOfDirections) {
   EXPECT_EQ(message(CHANGE(scene.contacts[0].directions = 5)),
-            "contact 'rim': directions 5 is not an even number >= 4");
+            "contact 'rim': directions 5 is not an even number from 4 to 1024");
   EXPECT_EQ(message(CHANGE(scene.contacts[0].directions = 2)),
-            "contact 'rim': directions 2 is not an even number >= 4");
+            "contact 'rim': directions 2 is not an even number from 4 to 1024");
 }
 
 TEST(Validate, NamesATangentWithoutADirectionInThePlane) {
