@@ -208,7 +208,8 @@ void Stepper::begin_with_velocities(int lane) {
 void Stepper::note_distances(int lane) {
   for (int k = 0; k < bodies_per_lane; ++k) {
     const int i = body(lane, k);
-    noise[island[i]] = std::max(noise[island[i]], 8 * 2.2e-16 * bodies.position(i).lpNorm<Eigen::Infinity>() / bodies.dt);
+    const double of_position = 8 * 2.2e-16 * bodies.position(i).lpNorm<Eigen::Infinity>() / bodies.dt;
+    noise[island[i]] = std::max(noise[island[i]], std::min(of_position, loosest_tolerance));
   }
 }
 

@@ -102,6 +102,7 @@ struct Stepper {
 
   SimulatorSettings settings;
   double dt = 0;
+  double loosest_tolerance = 0;  ///< a hundredth of what gravity changes in a step [m/s]
   Interleaving side_by_side;
   int bodies_per_lane = 0, joints_per_lane = 0;
   std::vector<Lane> lanes;

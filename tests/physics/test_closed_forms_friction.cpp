@@ -37,6 +37,36 @@ void advance(Simulator& simulator, double duration) {
   }
 }
 
+// ---- far away, in short steps ----
+
+/// Rounding of a position of 100 m shows as more than gravity in a step of 0.1 us. It is no excuse for not feeling it: the
+/// floor carries the sphere and brakes it.
+TEST(SlidingSphere, ShortStepsFarFromTheOriginFeelGravityAndFriction) {
+  Mechanism scene;
+  Body ball;
+  ball.name = "ball";
+  ball.mass = 1;
+  ball.shape.type = Shape::Type::sphere;
+  ball.shape.radius = 0.1;
+  ball.inertia = shape_inertia(ball.shape, ball.mass);
+  ball.position = {100, 0, 0.1};
+  ball.velocity = {1, 0, 0};
+  Contact contact;
+  contact.name = "floor";
+  contact.body = scene.add(ball);
+  contact.radius = 0.1;
+  contact.friction = 0.5;
+  scene.add(contact);
+  scene.time_step = 1e-7;
+  Simulator simulator(scene);
+  constexpr int steps = 1000;
+  for (int k = 0; k < steps; ++k) ASSERT_TRUE(simulator.step().ok()) << simulator.failure_place();
+  StepRecord record;
+  simulator.write_record(record);
+  EXPECT_NEAR(record.contacts[0].normal_force, g, 1e-3 * g);
+  EXPECT_NEAR(record.bodies[0].velocity.x(), 1 - 0.5 * g * (steps - 0.5) * scene.time_step, 1e-3 * 0.5 * g * steps * scene.time_step);
+}
+
 // ---- stopping -------------------------------------------------------------------------------------------------------
 
 /// Displacement of a sliding block when it has stopped.
