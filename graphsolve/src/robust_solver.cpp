@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <stdexcept>
+#include <string>
 
 #include "graphsolve/io/block_view.hpp"
 #include "kept_matrix.hpp"
@@ -18,6 +20,7 @@ constexpr double stiff = 1e6;    ///< a node this much larger than its neighbour
 constexpr double shift = 1e-8;   ///< of what was added to a saddle row; 1e-6 spoils it (algorithm.md 5)
 constexpr double consistent = 1e-9;
 constexpr double certain = 1e3;  ///< a contradiction is that many times larger than the doubt about the dependency
+constexpr double rounding = 1e-14;  ///< rows that miss a dependency by more are independent, if only just
 
 std::string number(double value) {
   char text[32];
@@ -206,7 +209,8 @@ struct RobustSolver::Impl {
       const double against = std::abs(y.dot(b)), size = y.cwiseAbs().dot(b.cwiseAbs());
       if (!(against > consistent * size)) continue;
       // Rows left out because rounding took what made them independent do not contradict anything.
-      if (!(against > certain * remainder(y) * size)) continue;
+      const double missed = remainder(y);
+      if (missed > rounding || !(against > certain * missed * size)) continue;
       std::string names;
       for (int k = 0; k < graph.size(); ++k) {
         const auto part = y.segment(graph.row({k}), graph.dimension({k}));
@@ -253,6 +257,10 @@ const Factorization::Outcome& RobustSolver::factorize() {
 
 RobustSolver::Report RobustSolver::solve(std::span<const double> b, std::span<double> x) {
   Impl& s = *impl_;
+  const auto rows = static_cast<std::size_t>(s.graph.rows());
+  if (b.size() != rows || x.size() != rows)
+    throw std::invalid_argument("b has " + std::to_string(b.size()) + " numbers and x " + std::to_string(x.size()) +
+                                ", expected " + std::to_string(rows) + " in each");
   if (s.factored != s.values) s.factorize();
   Report report;
   report.outcome = s.outcome;

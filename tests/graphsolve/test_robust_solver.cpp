@@ -31,6 +31,31 @@ RobustSolver::Report solve_to_the_goal(const Problem& problem, FactorizationKind
   return report;
 }
 
+/// Two constraints that differ by e: their complement is e^2, less than what rows are left out for, but the matrix is far from
+/// singular, and no one may say that there is no solution.
+TEST(RobustSolver, RowsThatAreAlmostParallelDoNotContradictEachOther) {
+  for (const double e : {1e-4, 1e-5, 4e-6, 1e-6})
+    for (const auto kind : {FactorizationKind::ldlt, FactorizationKind::ldu}) {
+      BlockGraph graph;
+      const NodeId x = graph.add_node("x", 2), c = graph.add_node("c", 2, NodeKind::saddle);
+      graph.add_edge(c, x);
+      RobustSolver solver(graph, {.kind = kind});
+      const Symbolic& s = solver.symbolic();
+      const double rows[2][2] = {{1, 1}, {1, 1 + e}};
+      for (int i = 0; i < 2; ++i) {
+        solver.entry(s.block(x, x), i, i) = 1;
+        for (int j = 0; j < 2; ++j) solver.entry(s.block(c, x), i, j) = solver.entry(s.block(x, c), j, i) = rows[i][j];
+      }
+      const std::vector<double> b{0, 0, 2, 3};
+      std::vector<double> y(4);
+      const auto report = solver.solve(b, y);
+      ASSERT_EQ(report.status, Status::solved) << e << ": " << report.why;
+      const double second = 1 / e;  // x0 + x1 = 2, e x1 = 1
+      EXPECT_NEAR(y[1], second, 1e-8 * second);
+      EXPECT_NEAR(y[0], 2 - second, 1e-8 * second);
+    }
+}
+
 class EveryHardVariant : public testing::TestWithParam<families::Difficulty> {};
 
 TEST_P(EveryHardVariant, OfEveryFamilyIsSolvedToTheGoal) {
