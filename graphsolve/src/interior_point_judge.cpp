@@ -114,7 +114,7 @@ bool InteriorPoint::unsound(int c) {
 
 /// The present phase of a component is solved.
 void InteriorPoint::end(int c) {
-  if (phase_[c] == Phase::frozen) refreeze(c);
+  if (phase_[c] == Phase::frozen || phase_[c] == Phase::refrozen) refreeze(c);
   else attempt_iterations_[c] = -1;
 }
 

@@ -45,6 +45,7 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
     v->assign(components, 0);
   trouble_.assign(components, Status::solved);
   phase_.assign(components, Phase::full);
+  doublings_.assign(components, 0);
   good_.assign(components, 0);
   bounded_.assign(components, 0);
   refine_.assign(components, 0);
@@ -112,11 +113,24 @@ void InteriorPoint::sort_by_component(Lists& lists, std::span<const int> instanc
 }
 
 void InteriorPoint::activate(int batch, std::span<const int> instances) {
+  if (batch < 0 || batch >= static_cast<int>(port_lists_.size()))
+    throw std::invalid_argument("activate: there is no batch " + std::to_string(batch) + " of ports");
   Lists& lists = port_lists_[batch];
   if (std::ranges::equal(instances, lists.given)) return;
+  for (const int i : instances)
+    if (i < 0 || i >= static_cast<int>(lists.component.size()))
+      throw std::invalid_argument("activate: batch " + std::to_string(batch) + " has no port " + std::to_string(i));
   lists.given.assign(instances.begin(), instances.end());
   sort_by_component(lists, instances);
   lists_changed_ = true;
+}
+
+void InteriorPoint::select(std::span<const int> components) {
+  const int all = factorization_.symbolic().components();
+  for (const int c : components)
+    if (c < 0 || c >= all)
+      throw std::invalid_argument("select: there is no component " + std::to_string(c) + ", but 0 to " + std::to_string(all - 1));
+  selected_.assign(components.begin(), components.end());
 }
 
 /// Lists of what runs. Where nothing does nobody asks for them, and the next solve mostly runs what this one did.

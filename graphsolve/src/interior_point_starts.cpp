@@ -8,7 +8,9 @@ namespace graphsolve {
 
 namespace {
 
-constexpr int most_freezes = 40;
+constexpr int most_freezes = 80;
+constexpr int undamped_freezes = 8;
+constexpr int most_doublings = 20;
 
 }  // namespace
 
@@ -76,16 +78,29 @@ void InteriorPoint::blame(int c) {
     }
 }
 
+/// From where x is.
+void InteriorPoint::start_phase(int c) {
+  attempt_iterations_[c] = short_steps_[c] = 0;
+  good_[c] = 0;
+  restarted_ = true;
+}
+
 /// Ladder: warm, cold at 1 m/s, cold at another scale, frozen couplings, cold at the size of all residuals, end.
 void InteriorPoint::next_attempt(int c) {
   const Status cause = trouble_[c];
   const auto ports = problem_.ports();
+  const double usual = std::max(1.0, start_error_[c]);
   trouble_[c] = Status::solved;
+  if (phase_[c] == Phase::refrozen && std::isfinite(error_[c])) {  // too small a start: pairs jam at their bounds
+    phase_[c] = Phase::frozen;
+    start_phase(c);
+    restart_cold(c, usual);
+    return;
+  }
   for (std::size_t b = 0; b < ports.size(); ++b) {
     change_[c] = 0;
     ports[b]->relax(of_component(port_lists_[b], c), 0.0, change_);
   }
-  const double usual = std::max(1.0, start_error_[c]);
   const int most_attempts = start_residual_[c] > usual ? 5 : 4;
   if (degree_[c] == 0 || reports_[c].attempts == most_attempts) {
     reports_[c].status = cause;
@@ -97,6 +112,7 @@ void InteriorPoint::next_attempt(int c) {
   copy_rows(rows_of(c), start_, x_);
   alpha_[c] = 1;
   attempt_iterations_[c] = short_steps_[c] = halvings_[c] = freezes_[c] = 0;
+  doublings_[c] = 0;
   phase_[c] = Phase::full;
   good_[c] = 0;
   const int attempt = ++reports_[c].attempts;
@@ -110,20 +126,25 @@ void InteriorPoint::next_attempt(int c) {
   restarted_ = true;
 }
 
-/// The frozen problem is solved: move the frozen couplings to what they should be, or set them free.
+/// The frozen problem is solved: move the frozen couplings to what they should be, or set them free. Where they drift, each
+/// time by about as much as the time before, they flee from a fixed point or creep along a bound, and the solution is
+/// far away, where other bounds hold: twice as far each time.
 void InteriorPoint::refreeze(int c) {
   const auto ports = problem_.ports();
+  const double last = change_[c];
   change_[c] = 0;
-  const double damping = freezes_[c] < 8 ? 1.0 : 0.5;
+  const double damping = freezes_[c] < undamped_freezes ? 1.0 : std::ldexp(0.5, doublings_[c]);
   for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->relax(of_component(port_lists_[b], c), damping, change_);
-  attempt_iterations_[c] = short_steps_[c] = 0;
-  good_[c] = 0;
-  restarted_ = true;
+  const bool drifts = freezes_[c] >= undamped_freezes && change_[c] > 0.9 * last && change_[c] < 4 * last;
+  doublings_[c] = static_cast<char>(drifts ? std::min(doublings_[c] + 1, most_doublings) : 0);
   if (change_[c] < 1e-6 || ++freezes_[c] > most_freezes) {
     phase_[c] = Phase::polish;
     for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->relax(of_component(port_lists_[b], c), 0.0, change_);
+    start_phase(c);
     return;
   }
+  phase_[c] = Phase::refrozen;
+  start_phase(c);
   restart_cold(c, std::max(change_[c], 1e-4));
 }
 

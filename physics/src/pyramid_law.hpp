@@ -31,7 +31,7 @@ double relax_bound(double bound, double scale, double damping, Flag& frozen, dou
   if (!(frozen != 0)) frozen_bound = bound;
   frozen = 1;
   const double change = std::abs(bound - frozen_bound) / scale;
-  frozen_bound += damping * (bound - frozen_bound);
+  frozen_bound = std::max(0.0, frozen_bound + damping * (bound - frozen_bound));  // damping > 1 leads beyond `bound`
   return change;
 }
 

@@ -51,7 +51,7 @@ class InteriorPoint {
   void activate(int batch, std::span<const int> instances);
 
   /// Which components the next solves are about; all of them at first. The others are left as they are.
-  void select(std::span<const int> components) { selected_.assign(components.begin(), components.end()); }
+  void select(std::span<const int> components);
   /// Other numbers for Problem::set_row_scale.
   void set_row_scale(NodeId node, std::span<const double> scale);
 
@@ -89,7 +89,7 @@ class InteriorPoint {
     std::vector<int> running;    ///< those of running components
     std::uint64_t version = 0;   ///< of `running`
   };
-  enum class Phase { full, frozen, polish };
+  enum class Phase { full, frozen, refrozen, polish };  ///< refrozen: started cold at the size of the last change
   enum class With { residual_alone, matrix };
 
   void make_lists(Lists& lists, std::span<const int> component_of_instance);
@@ -130,6 +130,7 @@ class InteriorPoint {
   bool backtrack(int component);
   void next_attempt(int component);
   void refreeze(int component);
+  void start_phase(int component);
   void restart_cold(int component, double velocity);
   void blame(int component);
   bool factorize();
@@ -175,6 +176,7 @@ class InteriorPoint {
       expected_iterations_;  ///< those that the solve before took
   std::vector<Status> trouble_;  ///< why the present attempt has to end; solved: it need not
   std::vector<Phase> phase_;
+  std::vector<char> doublings_;  ///< of the steps of frozen couplings
   std::vector<char> at_start_;  ///< > 0: one of the last two solves ended where it began
   std::vector<char> judged_;   ///< passed on at the point where it is
   std::vector<char> scaled_;   ///< has its default scales
