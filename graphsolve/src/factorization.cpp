@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 #include "equal_couplings.hpp"
 #include "factorization_active.hpp"
@@ -56,6 +58,7 @@ std::span<const Factorization::Outcome> Factorization::factorize(std::span<const
 }
 
 void Factorization::start(std::span<const int> components) {
+  check_components(components);
   const Symbolic& s = *symbolic_;
   set_active(components);
   if (!dropped_.empty())

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 #include "factorization_active.hpp"
 
@@ -69,7 +71,11 @@ void Factorization::forget_redone(Outcome& outcome) {
 }
 
 Factorization::Outcome Factorization::refactorize(std::span<const NodeId> changed) {
-  assert(!share_.empty() && keep_matrix_ && "allow_refactorization() and keep_matrix(true) before factorize()");
+  if (share_.empty() || !keep_matrix_)
+    throw std::logic_error("refactorize: allow_refactorization() and keep_matrix(true) come before factorize()");
+  for (const NodeId node : changed)
+    if (node.index < 0 || node.index >= symbolic_->pivots())
+      throw std::invalid_argument("refactorize: there is no node " + std::to_string(node.index));
   if (!complete_) {
     std::copy(matrix_.begin(), matrix_.end(), values_.begin());
     return factorize();

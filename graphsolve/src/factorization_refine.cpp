@@ -97,6 +97,9 @@ Factorization::Refinement Factorization::refine(std::span<const double> b, std::
 Factorization::Refinement Factorization::refine(std::span<const double> b, std::span<double> x,
                                                 std::span<const int> components, int max_sweeps) {
   if (matrix_.empty()) throw std::logic_error("refine: allow_refinement() and keep_matrix(true) come before factorize()");
+  check_size(b, 1);
+  check_size(x, 1);
+  check_components(components);
   for (auto* v : {&residual_, &residual_low_, &magnitude_, &best_}) v->resize(symbolic_->rows());
   refined_.assign(components.begin(), components.end());
   const auto keep_x = [&](int c) { each_row(c, [&](int i) { best_[i] = x[i]; }); };

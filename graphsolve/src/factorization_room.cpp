@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <numeric>
+#include <stdexcept>
+#include <string>
 
 #include "equal_couplings.hpp"
 #include "graphsolve/factorization.hpp"
@@ -11,6 +13,7 @@ namespace graphsolve {
 
 Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, FactorizationKind kind)
     : symbolic_(std::move(symbolic)), kind_(kind), kernels_(&kernels::table()) {
+  if (!symbolic_) throw std::invalid_argument("a factorization needs a symbolic one, not a null pointer");
   const Symbolic& s = *symbolic_;
   values_.assign(s.values_size(), 0.0);
   row_exchange_.assign(s.rows(), 0);

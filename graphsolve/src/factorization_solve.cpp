@@ -46,6 +46,13 @@ void Factorization::check_size(std::span<const double> x, int columns) const {
                               std::to_string(symbolic_->rows()) + " rows x " + std::to_string(columns) + " columns");
 }
 
+void Factorization::check_components(std::span<const int> components) const {
+  for (const int c : components)
+    if (c < 0 || c >= symbolic_->components())
+      throw std::invalid_argument("there is no component " + std::to_string(c) + ", but 0 to " +
+                                  std::to_string(symbolic_->components() - 1));
+}
+
 void Factorization::solve_diagonal(int k, const double* diagonal, double* x, int columns, std::ptrdiff_t stride) const {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const int row = first_row_[k];
@@ -69,6 +76,7 @@ void Factorization::solve_component(std::span<double> x, int component) const { 
 
 void Factorization::solve_components(std::span<double> x, std::span<const int> components) const {
   check_size(x, 1);
+  check_components(components);
   set_active(components);
   solve_active(x.data(), 1);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -30,6 +31,10 @@ void Problem::set_row_scale(NodeId node, std::span<const double> scale) {
   if (static_cast<int>(scale.size()) != graph_.dimension(node))
     throw std::invalid_argument("node '" + std::string(graph_.name(node)) + "': " + std::to_string(scale.size()) +
                                 " row scales for " + std::to_string(graph_.dimension(node)) + " rows");
+  for (const double s : scale)
+    if (!(s > 0 && std::isfinite(s)))
+      throw std::invalid_argument("node '" + std::string(graph_.name(node)) + "': row scale " + std::to_string(s) +
+                                  " is not a number > 0");
   if (row_scale_.empty()) row_scale_.assign(graph_.rows(), std::numeric_limits<double>::quiet_NaN());
   std::copy(scale.begin(), scale.end(), row_scale_.begin() + graph_.row(node));
 }

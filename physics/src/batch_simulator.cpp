@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <stdexcept>
 
 #include "stepper.hpp"
 
@@ -39,7 +40,11 @@ struct BatchSimulator::Impl {
     }
     reckon();
   }
-  [[nodiscard]] Cohort& cohort(int lane) { return cohorts[lane / Interleaving::width]; }
+  [[nodiscard]] Cohort& cohort(int lane) {
+    if (lane < 0 || lane >= count)
+      throw std::out_of_range(fmt::format("there is no lane {}, but 0 to {}", lane, count - 1));
+    return cohorts[lane / Interleaving::width];
+  }
   [[nodiscard]] Place at(int lane) { return {*cohort(lane).stepper, lane % Interleaving::width}; }
   [[nodiscard]] const Lane& lane(int lane) { return at(lane).stepper.lanes[at(lane).lane]; }
 

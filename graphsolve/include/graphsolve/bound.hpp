@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <stdexcept>
+#include <string>
 
 #include "graphsolve/port_batch.hpp"
 
@@ -19,6 +21,8 @@ class Bound {
       : nodes{node}, component_(component), sign_(side == Side::lower ? 1.0 : -1.0), limit_(limit) {}
 
   void wire(const Wiring& wiring) {
+    if (component_ < 0 || component_ >= wiring.block(nodes[0], nodes[0]).rows)
+      throw std::invalid_argument("bound: the node has no component " + std::to_string(component_));
     row_ = wiring.row(nodes[0]) + component_;
     const BlockHandle block = wiring.block(nodes[0], nodes[0]);
     entry_ = block.place(component_, component_);

@@ -270,6 +270,7 @@ class Factorization {
   template <class Together, class Alone>
   void walk(bool backward, Together&& together, Alone&& alone) const;
   void check_size(std::span<const double> x, int columns) const;
+  void check_components(std::span<const int> components) const;
   enum class Precision { plain, twice };
   void start_residual(std::span<const double> b, int component);
   template <class F>
