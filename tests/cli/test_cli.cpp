@@ -83,6 +83,15 @@ TEST_F(Cli, SaysWhereRoundingKeptStepsFromTheTolerance) {
   }
 }
 
+/// A whip of 20 rods turns by more than a radian in steps of 10 ms.
+TEST_F(Cli, SaysWhereEnergyCameFromNowhere) {
+  for (const auto& [dt, gains] : {std::pair("0.01", true), std::pair("0.001", false)}) {
+    const Outcome outcome = run("simulate pendulum:n=20,joint=revolute,angle=179,dt=" + std::string(dt) + " --duration 5");
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_EQ(outcome.out.find("gained without motor or load") != std::string::npos, gains) << outcome.out;
+  }
+}
+
 TEST_F(Cli, TakesFilesWhoseNamesAreNotText) {
   const std::string name = "b\xff.json";
   physics::write_scene_json(physics::built_in_scene("disc"), path(name));

@@ -1,3 +1,7 @@
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -120,6 +124,18 @@ TEST_F(Rollout, RefusesToGoOnWithAnotherRolloutsFile) {
   std::ofstream(path("letter.txt")) << "Dear all,\n";
   EXPECT_EQ(run("disc --copies 2 --steps 3 --out letter.txt"), 2);
   EXPECT_EQ(text("letter.txt"), "Dear all,\n");
+}
+
+TEST_F(Rollout, AFileThatAnotherRunWritesIsLeftAlone) {
+  ASSERT_EQ(run("disc --copies 2 --steps 3 --out a.jsonl"), 0) << err_;
+  const std::string before = text("a.jsonl");
+  const int other = open(path("a.jsonl").c_str(), O_RDWR);
+  ASSERT_EQ(flock(other, LOCK_EX | LOCK_NB), 0);
+  EXPECT_EQ(run("disc --copies 2 --steps 3 --out a.jsonl"), 2);
+  EXPECT_EQ(err_, "graphsolve: a.jsonl: another rollout is writing this file; wait for it, or give --out another name\n");
+  EXPECT_EQ(text("a.jsonl"), before);
+  close(other);
+  EXPECT_EQ(run("disc --copies 2 --steps 3 --out a.jsonl"), 0) << err_;
 }
 
 TEST_F(Rollout, LinesWithValuesOfAnotherTypeAreRefused) {
