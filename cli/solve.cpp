@@ -61,6 +61,12 @@ io::DenseMatrix right_hand_side(const Options& options, const SparseMatrix& matr
 
 std::string scientific(double value) { return std::isfinite(value) ? fmt::format("{:.2e}", value) : "-"; }
 
+std::string note_of(const SolveResult& result, const Attempt& attempt) {
+  const bool last = &attempt == &result.attempts.back();
+  if (attempt.trouble.empty()) return last && !result.solved ? "singular" : "good";
+  return last ? "failed" : "next";
+}
+
 std::string attempts_text(const SolveResult& result) {
   study::Table table({"factorization", "normwise", "componentwise", "growth", "boosts", "dropped", "inertia (+ - 0)",
                       "sweeps", "setup ms", "factor ms", "solve ms", "note"});
@@ -72,7 +78,7 @@ std::string attempts_text(const SolveResult& result) {
                fmt::format("{}", o.dropped_rows),
                counted ? fmt::format("{} {} {}", o.inertia.positive, o.inertia.negative, o.inertia.zero) : "-",
                fmt::format("{}", a.sweeps), number(1e3 * a.setup_seconds), number(1e3 * a.factor_seconds),
-               number(1e3 * a.solve_seconds), a.trouble.empty() ? "good" : &a == &result.attempts.back() ? "failed" : "next"});
+               number(1e3 * a.solve_seconds), note_of(result, a)});
   }
   std::string text = table.text() + "\n";
   for (const Attempt& a : result.attempts)

@@ -42,6 +42,7 @@ void check_contact(const StepRecord& record, const Contact& contact, const Conta
 }
 
 void check_record(const Mechanism& mechanism, const StepRecord& record) {
+  if (record.step < 0) throw DescriptionError(fmt::format("record {}: a step has a number >= 0", record.step));
   if (record.bodies.size() != mechanism.bodies.size())
     throw DescriptionError(fmt::format("record {}: {} bodies, the scene has {}", record.step, record.bodies.size(),
                                        mechanism.bodies.size()));

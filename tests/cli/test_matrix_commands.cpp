@@ -214,6 +214,7 @@ TEST_F(MatrixCommand, ANetworkThatNothingHoldsIsSingularWhateverRoundingMakesOfI
     const Outcome outcome = run("solve free.mtx");
     EXPECT_EQ(outcome.code, 1) << seed << outcome.out;
     EXPECT_NE(outcome.err.find("free.mtx: the matrix is singular"), std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.out.find("good"), std::string::npos) << outcome.out;
     entries.back().value += 1;
     const auto unit = [&](int i) { return std::pow(10.0, 12 * std::sin(2.0 * i)); };
     for (auto& entry : entries) entry.value *= unit(entry.row) * unit(entry.column);

@@ -127,6 +127,18 @@ TEST(BlockDetection, UnsymmetricPatternsAreCompletedAndTheZerosCounted) {
   EXPECT_TRUE(detect_blocks(sparse(2, {{0, 0, 1}, {1, 1, 1}})).symmetric);
 }
 
+TEST(BlockDetection, AMatrixPutTogetherWrongIsRefused) {
+  const SparseMatrix good{.rows = 2, .columns = 2, .begin = {0, 1, 2}, .row = {0, 1}, .value = {1, 1}};
+  EXPECT_EQ(detect_blocks(good).graph.rows(), 2);
+  std::vector<SparseMatrix> wrong(5, good);
+  wrong[0].begin = {0, 1, 3};
+  wrong[1].begin = {0, 2};
+  wrong[2].row = {0, 2};
+  wrong[3].value = {1};
+  wrong[4] = {.rows = 2, .columns = 2, .begin = {0, 2, 3}, .row = {1, 0, 1}, .value = {1, 1, 1}};
+  for (const SparseMatrix& matrix : wrong) EXPECT_THROW((void)detect_blocks(matrix), std::invalid_argument);
+}
+
 TEST(BlockDetection, LongRunsAreCutEvenlyUnlessAskedOtherwise) {
   const int n = 100;
   const SparseMatrix dense = sparse(Eigen::MatrixXd::Ones(n, n));
