@@ -111,10 +111,9 @@ void InteriorPoint::next_attempt(int c) {
   }
   copy_rows(rows_of(c), start_, x_);
   alpha_[c] = 1;
-  attempt_iterations_[c] = short_steps_[c] = halvings_[c] = freezes_[c] = 0;
-  doublings_[c] = 0;
+  start_phase(c);
+  halvings_[c] = freezes_[c] = doublings_[c] = 0;
   phase_[c] = Phase::full;
-  good_[c] = 0;
   const int attempt = ++reports_[c].attempts;
   // The natural size of velocities here is what the start showed, but not less than 1. Where the data are much larger
   // than 1 (costs, prices), pairs that start small jam at their bounds.
@@ -123,7 +122,6 @@ void InteriorPoint::next_attempt(int c) {
     phase_[c] = Phase::frozen;
     for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->relax(of_component(port_lists_[b], c), 1.0, change_);
   }
-  restarted_ = true;
 }
 
 /// The frozen problem is solved: move the frozen couplings to what they should be, or set them free. Where they drift, each

@@ -17,7 +17,7 @@ TEST(JammedChain, TheStepIsFoundFarFromTheOneBefore) {
   const Trajectory jammed = read_scene(std::string(GRAPHSOLVE_SOURCE_DIR) + "/tests/data/scenes/jammed_chain.json");
   Simulator simulator(jammed.mechanism);
   simulator.restart_from(jammed.steps.back());
-  StepRecord before = jammed.steps.back(), after;
+  StepRecord before, after;
   const StepResult result = simulator.step();
   ASSERT_TRUE(result.ok()) << result.cause << ' ' << simulator.failure_place();
   EXPECT_LE(result.residual, 1e-8);

@@ -265,6 +265,8 @@ TEST(Validate, WantsAnEvenNumberOfDirections) {
             "contact 'rim': directions 5 is not an even number from 4 to 1024");
   EXPECT_EQ(message(CHANGE(scene.contacts[0].directions = 2)),
             "contact 'rim': directions 2 is not an even number from 4 to 1024");
+  EXPECT_EQ(message(CHANGE(scene.contacts[0].directions = 1026)),
+            "contact 'rim': directions 1026 is not an even number from 4 to 1024");
 }
 
 TEST(Validate, NamesATangentWithoutADirectionInThePlane) {

@@ -21,10 +21,10 @@ class Bound {
       : nodes{node}, component_(component), sign_(side == Side::lower ? 1.0 : -1.0), limit_(limit) {}
 
   void wire(const Wiring& wiring) {
-    if (component_ < 0 || component_ >= wiring.block(nodes[0], nodes[0]).rows)
+    const BlockHandle block = wiring.block(nodes[0], nodes[0]);
+    if (component_ < 0 || component_ >= block.rows)
       throw std::invalid_argument("bound: the node has no component " + std::to_string(component_));
     row_ = wiring.row(nodes[0]) + component_;
-    const BlockHandle block = wiring.block(nodes[0], nodes[0]);
     entry_ = block.place(component_, component_);
   }
   void evaluate(std::span<const double> x, double* u) const { u[0] = sign_ * (x[row_] - limit_); }

@@ -53,7 +53,7 @@ class PortBatch {
   virtual void complementarity(Instances, std::span<const double> alpha, std::span<double> sum) const = 0;
   virtual void accept(Instances, std::span<const double> alpha) = 0;
   /// Freezes the non-monotone coupling of the law at its present value, moved by `damping` from the last
-  /// frozen one; change = max(change, relative change). damping 0 sets it free again.
+  /// frozen one, or beyond where it is more than 1; change = max(change, relative change). 0 sets it free again.
   virtual void relax(Instances, double damping, std::span<double> change) = 0;
 };
 

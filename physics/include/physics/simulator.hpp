@@ -14,8 +14,8 @@ namespace physics {
 
 struct SimulatorSettings {
   /// Natural residual at which a step is accepted [m/s]. Where positions x of an island round to more, 8 eps |x| / dt,
-  /// that is what its steps are accepted at; StepResult::residual tells. Under gravity no more than a hundredth of what that
-  /// changes in a step (1e-4 m/s at 1 ms): a looser one would let things hover.
+  /// that is what its steps are accepted at; StepResult::residual tells. Under gravity neither is more than a hundredth of
+  /// what that changes in a step (1e-4 m/s at 1 ms): else things would hover.
   double tolerance = 1e-8;
   std::optional<double> time_step;               ///< instead of the scene's [s]
   std::optional<FrictionModel> friction_model;   ///< instead of the contacts' own
