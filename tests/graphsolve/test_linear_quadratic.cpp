@@ -3,11 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <limits>
 #include <random>
 #include <string>
+#include <utility>
 
+#include "graphsolve/bound.hpp"
 #include "graphsolve/derivative_check.hpp"
 #include "graphsolve/interior_point.hpp"
+#include "graphsolve/nonnegative.hpp"
 
 namespace {
 
@@ -71,6 +75,32 @@ TEST(LinearQuadratic, DerivativesAreThoseOfTheResiduals) {
   const std::vector<double> x{0.3, -0.2, 0.7, 0.1, -0.9, 0.4, 0.6};
   const DerivativeReport report = check_terms(problem, x);
   EXPECT_LE(report.largest_error, 1e-8) << report.where;
+}
+
+/// |x|^2 - 6 x_0 + 4 x_1 with x_0 <= 1 and x_1 >= -inf, x_1 <= inf.
+TEST(LinearQuadratic, AnInfiniteLimitIsNoBound) {
+  using Limits = std::numeric_limits<double>;
+  for (const auto& [scale, infinity] : {std::pair{1.0, Limits::infinity()}, {100.0, Limits::infinity()}, {1.0, Limits::max()}}) {
+    BlockGraph graph;
+    const NodeId x = graph.add_node("x", 2);
+    Problem problem(graph);
+    QuadraticCost cost;
+    cost.add_diagonal(x, std::vector<double>{2, 2}, std::vector<double>{-6, 4});
+    problem.add(cost);
+    PortLawBatch<Bound, Nonnegative> bounds;
+    bounds.add(Bound(x, 0, Bound::Side::upper, 1), Nonnegative(scale));
+    bounds.add(Bound(x, 1, Bound::Side::lower, -infinity), Nonnegative(scale));
+    bounds.add(Bound(x, 1, Bound::Side::upper, infinity), Nonnegative(scale));
+    problem.add(bounds);
+    InteriorPoint solver(problem, std::make_shared<const Symbolic>(problem.graph(), natural_ordering(problem.graph())));
+    std::vector<double> at{0, 0};
+    ASSERT_EQ(solver.solve(at), Status::solved);
+    EXPECT_EQ(solver.reports()[0].attempts, 1);
+    EXPECT_NEAR(at[0], 1, 1e-8);
+    EXPECT_NEAR(at[1], -2, 1e-8);
+    EXPECT_NEAR(bounds.law(0).force(), 4, 1e-7);
+    for (const int free : {1, 2}) EXPECT_LE(bounds.law(free).force(), 1e-15 * scale);
+  }
 }
 
 TEST(LinearQuadratic, WrongLengthsAreNamed) {
