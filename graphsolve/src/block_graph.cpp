@@ -23,6 +23,9 @@ void BlockGraph::reserve(int nodes) {
 
 NodeId BlockGraph::add_node(std::string name, int dimension, NodeKind kind) {
   if (dimension < 1) throw std::invalid_argument("node '" + name + "': dimension " + std::to_string(dimension) + " < 1");
+  if (dimension > largest_dimension)
+    throw std::invalid_argument("node '" + name + "': dimension " + std::to_string(dimension) +
+                                " is more than a dense block may have (" + std::to_string(largest_dimension) + ")");
   if (dimension > std::numeric_limits<int>::max() - rows_)
     throw std::invalid_argument("node '" + name + "': with its " + std::to_string(dimension) + " rows the graph has too many");
   nodes_.push_back({std::move(name), dimension, rows_, kind});

@@ -45,7 +45,7 @@ PredictedCost predict_cost(const BlockGraph& graph, const Ordering& ordering) {
   for (int k = 0; k < graph.size(); ++k) {
     const NodeId node = ordering.sequence[k];
     const std::int64_t d = graph.dimension(node), rows = tree.rows_below[k];
-    cost.operations += lu_operations(d) + d * d * rows + d * rows * rows;
+    add_operations(cost.operations, lu_pivot_operations(d, rows));
     cost.stored_scalars += d * d + 2 * d * rows;
     cost.fill_blocks += tree.blocks_below[k];
     ends += static_cast<std::int64_t>(graph.edges(node).size());

@@ -144,7 +144,7 @@ void Factorization::count_pack(const simd::PivotPack& pack, unsigned active, Cou
   const Symbolic& s = *symbolic_;
   const simd::Shape& shape = s.program().shape(pack);
   const std::int64_t d = shape.dimension, m = shape.coupled_rows;
-  const std::int64_t operations = symmetric() ? ldlt_pivot_operations(d, m) : lu_operations(d) + d * m * (d + m);
+  const std::int64_t operations = symmetric() ? ldlt_pivot_operations(d, m) : lu_pivot_operations(d, m);
   const auto add = [&](Outcome& outcome, int pivots) {
     outcome.operations += operations * pivots;
     outcome.pivots += pivots;

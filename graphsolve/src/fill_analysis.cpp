@@ -8,6 +8,7 @@
 
 #include "biconnected.hpp"
 #include "edge_saving.hpp"
+#include "operations.hpp"
 
 namespace graphsolve {
 
@@ -16,7 +17,7 @@ namespace {
 FillPrice& operator+=(FillPrice& a, const FillPrice& b) {
   a.blocks += b.blocks;
   a.scalars += b.scalars;
-  a.operations += b.operations;
+  add_operations(a.operations, b.operations);
   return a;
 }
 

@@ -1,6 +1,7 @@
 #include "graphsolve/symbolic.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -155,6 +156,8 @@ void Symbolic::find_structure(const BlockGraph& graph) {
       fill_.push_back(mark[i] == k ? 1 : 0);
       pivots_[k].coupled_rows += pivots_[i].dimension;
     }
+    if (coupled_.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+      throw std::length_error("the factor would have more than 2147483647 blocks: take another ordering");
     pivots_[k].end = static_cast<int>(coupled_.size());
     if (column.empty()) continue;
     const int parent = column.front();
@@ -224,8 +227,8 @@ void Symbolic::count() {
     }
     counts_.matrix_scalars += d * d;
     counts_.stored_scalars += p.scalars();
-    counts_.operations += lu_operations(d) + r * d * d + d * r * r;
-    counts_.symmetric_operations += ldlt_pivot_operations(d, r);
+    add_operations(counts_.operations, lu_pivot_operations(d, r));
+    add_operations(counts_.symmetric_operations, ldlt_pivot_operations(d, r));
     counts_.solve_operations += d * d + 2 * d * r;
     counts_.largest_front = std::max(counts_.largest_front, p.dimension + p.coupled_rows);
   }
@@ -233,8 +236,8 @@ void Symbolic::count() {
   for (const auto& step : program_->steps()) {
     const Pivot& p = pivots_[step.pack < 0 ? step.pivot : program_->pack(step.pack).pivot[0]];
     const std::int64_t d = p.dimension, m = p.coupled_rows;
-    counts_.pack_operations += lu_operations(d) + d * m * (d + m);
-    counts_.symmetric_pack_operations += ldlt_pivot_operations(d, m);
+    add_operations(counts_.pack_operations, lu_pivot_operations(d, m));
+    add_operations(counts_.symmetric_pack_operations, ldlt_pivot_operations(d, m));
   }
 }
 

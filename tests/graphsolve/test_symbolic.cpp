@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <limits>
 
+#include "graphsolve/ordering_method.hpp"
 #include "support/graph_families.hpp"
 
 namespace {
@@ -83,12 +85,29 @@ TEST(Symbolic, TreeOrdersVouchForEverySaddleBlockAndLoopOrdersNotForAll) {
 
 TEST(BlockGraph, RefusesWhatIsNoGraphByName) {
   BlockGraph graph;
-  const NodeId a = graph.add_node("a", 2'000'000'000);
+  const NodeId a = graph.add_node("a", 1);
   EXPECT_THROW(graph.add_node("empty", 0), std::invalid_argument);
-  EXPECT_THROW(graph.add_node("b", 2'000'000'000), std::invalid_argument) << "the rows do not fit into an int";
+  for (const int rows : {BlockGraph::largest_dimension + 1, 1'000'000, 2'000'000'000})
+    EXPECT_THROW(graph.add_node("b", rows), std::invalid_argument) << "more than a dense block may have";
   EXPECT_THROW(graph.add_edge(a, a), std::invalid_argument);
   EXPECT_THROW(graph.add_edge(a, NodeId{1}), std::invalid_argument);
   EXPECT_EQ(graph.size(), 1);
+  constexpr int largest = BlockGraph::largest_dimension;
+  while (graph.rows() <= std::numeric_limits<int>::max() - largest) graph.add_node("b", largest);
+  EXPECT_THROW(graph.add_node("c", largest), std::invalid_argument) << "the rows do not fit into an int";
+}
+
+/// A hub goes first and couples 1500 of the largest blocks: the order is absurd, and must not look cheap.
+TEST(Symbolic, OperationsBeyondAllNumbersStayTheLargestOne) {
+  BlockGraph graph;
+  const NodeId hub = graph.add_node("hub", BlockGraph::largest_dimension);
+  for (int k = 0; k < 1500; ++k) graph.add_edge(hub, graph.add_node("leaf", BlockGraph::largest_dimension));
+  const Symbolic::Counts counts = Symbolic(graph, natural_ordering(graph)).counts();
+  for (const std::int64_t operations : {counts.operations, counts.symmetric_operations, counts.pack_operations,
+                                        counts.symmetric_pack_operations})
+    EXPECT_EQ(operations, std::numeric_limits<std::int64_t>::max());
+  const Symbolic::Counts chosen = Symbolic(graph, make_ordering(graph, OrderingMethod::best)).counts();
+  EXPECT_EQ(chosen.fill_blocks, 0);
 }
 
 TEST(Symbolic, BlockWithoutAPlaceInTheFactorIsRefused) {

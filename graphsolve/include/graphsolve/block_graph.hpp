@@ -37,7 +37,10 @@ class BlockGraph {
   /// Room for so many nodes, where their number is known before: a graph is kept as long as what is made of it.
   void reserve(int nodes);
 
-  /// Throws std::invalid_argument when dimension < 1.
+  /// Blocks are dense: one of so many rows holds 2 GB, and a larger one is a slip of the pen.
+  static constexpr int largest_dimension = 16384;
+
+  /// Throws std::invalid_argument unless 1 <= dimension <= largest_dimension.
   NodeId add_node(std::string name, int dimension, NodeKind kind = NodeKind::regular);
 
   /// Adding an edge again joins what is known of its rank. Throws std::invalid_argument for a loop or a

@@ -44,7 +44,7 @@ class Symbolic {
     std::int64_t stored_blocks = 0;     ///< all blocks of the factor, both triangles and diagonal
     std::int64_t stored_scalars = 0;    ///< scalars in them
     std::int64_t matrix_scalars = 0;    ///< scalars of the matrix alone
-    std::int64_t operations = 0;        ///< multiplications and divisions of one LDU factorization
+    std::int64_t operations = 0;        ///< multiplications and divisions of one LDU factorization, 2^63 - 1 at most
     std::int64_t symmetric_operations = 0;  ///< same of one LDL^T or Cholesky factorization of definite blocks
     std::int64_t pack_operations = 0;   ///< of one LDU factorization, eight equal pivots of one level counted as one
     std::int64_t symmetric_pack_operations = 0;  ///< same of one LDL^T or Cholesky factorization

@@ -75,8 +75,8 @@ class Reader {
 
 std::string index(const std::string& list, std::size_t i) { return list + "[" + std::to_string(i) + "]"; }
 
-/// Blocks are dense: a larger one is a slip of the pen, and must not eat the memory.
-constexpr int largest_block = 16384;
+/// A slip of the pen must not eat the memory before the graph is made.
+constexpr int largest_block = BlockGraph::largest_dimension;
 
 void append_rows(const Reader& reader, const Json& json, const std::string& where, int& next, std::vector<int>& rows) {
   const int size = reader.integer(json, where, 1);
