@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <stdexcept>
+#include <string>
 
 #include "block_pattern.hpp"
 
@@ -25,6 +26,13 @@ std::vector<std::vector<int>> find_neighbours(const Pattern& pattern, std::span<
     std::ranges::sort(neighbours[b]);
   }
   return neighbours;
+}
+
+void check_sizes(const char* what, std::size_t from, std::size_t to, std::size_t needed_from, std::size_t needed_to) {
+  if (from == needed_from && to == needed_to) return;
+  throw std::invalid_argument(std::string(what) + ": " + std::to_string(from) + " numbers to " + std::to_string(to) +
+                              " places, where " + std::to_string(needed_from) + " to " + std::to_string(needed_to) +
+                              " are needed");
 }
 
 }  // namespace
@@ -58,10 +66,12 @@ BlockStructure build_structure(const SparseMatrix& matrix, const Pattern& patter
 }
 
 void BlockStructure::to_graph(std::span<const double> matrix_rows, std::span<double> graph_rows) const {
+  check_sizes("to_graph", matrix_rows.size(), graph_rows.size(), row_of.size(), row_of.size());
   for (std::size_t i = 0; i < row_of.size(); ++i) graph_rows[row_of[i]] = matrix_rows[i];
 }
 
 void BlockStructure::to_matrix(std::span<const double> graph_rows, std::span<double> matrix_rows) const {
+  check_sizes("to_matrix", graph_rows.size(), matrix_rows.size(), row_of.size(), row_of.size());
   for (std::size_t i = 0; i < row_of.size(); ++i) matrix_rows[i] = graph_rows[row_of[i]];
 }
 
@@ -73,11 +83,13 @@ std::vector<int> BlockStructure::matrix_rows(NodeId node) const {
   return rows;
 }
 
-EntryMap::EntryMap(const SparseMatrix& matrix, const BlockStructure& structure, const Symbolic& symbolic) {
+EntryMap::EntryMap(const SparseMatrix& matrix, const BlockStructure& structure, const Symbolic& symbolic)
+    : values_size_(symbolic.values_size()) {
   const BlockGraph& graph = structure.graph;
   if (matrix.rows != graph.rows() || matrix.columns != graph.rows())
     throw std::invalid_argument("a matrix of " + std::to_string(matrix.rows) + " x " + std::to_string(matrix.columns) +
                                 " for a graph of " + std::to_string(graph.rows()) + " rows");
+  check_columns(matrix);
   std::vector<int> node_of(static_cast<std::size_t>(graph.rows()));
   for (int v = 0; v < graph.size(); ++v)
     std::fill_n(node_of.begin() + graph.row({v}), graph.dimension({v}), v);
@@ -98,6 +110,7 @@ EntryMap::EntryMap(const SparseMatrix& matrix, const BlockStructure& structure, 
 }
 
 void EntryMap::write(std::span<const double> values, std::span<double> factor_values) const {
+  check_sizes("entry map", values.size(), factor_values.size(), offset_.size(), static_cast<std::size_t>(values_size_));
   std::ranges::fill(factor_values, 0.0);
   for (std::size_t k = 0; k < offset_.size(); ++k) factor_values[offset_[k]] = values[k];
 }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <stdexcept>
 
 #include "graphsolve/interior_point.hpp"
 #include "graphsolve/largest.hpp"
@@ -23,6 +24,9 @@ void InteriorPoint::run_all() {
 }
 
 Status InteriorPoint::linearize(std::span<double> x, double smoothing, double stiffness, Factorization& target) {
+  check_point(x.size());
+  if (&target.symbolic() != &factorization_.symbolic())
+    throw std::invalid_argument("linearize: the target has another elimination");
   std::copy(x.begin(), x.end(), x_.begin());
   run_all();
   const auto ports = problem_.ports();

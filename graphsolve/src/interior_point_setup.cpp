@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
@@ -21,6 +22,10 @@ constexpr double saddle_shift = 1e-12;  ///< of the diagonal of a constraint's p
 InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> symbolic, InteriorPointSettings settings)
     : problem_(problem), settings_(settings), factorization_(std::move(symbolic)) {
   const Symbolic& s = factorization_.symbolic();
+  if (s.pivots() != problem_.graph().size() || s.rows() != problem_.graph().rows())
+    throw std::invalid_argument("interior point: the problem has " + std::to_string(problem_.graph().size()) +
+                                " nodes of " + std::to_string(problem_.graph().rows()) + " rows, the elimination " +
+                                std::to_string(s.pivots()) + " of " + std::to_string(s.rows()));
   std::vector<BlockHandle> claims;
   const Wiring wiring(s, problem_.graph(), &claims);
   const int components = s.components();
@@ -63,6 +68,18 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   listed_.reserve(components);
   keep_running_.reserve(components);
   refining_.reserve(components);
+}
+
+/// What was added after the solver was made has no rows and blocks.
+void InteriorPoint::check_point(std::size_t size) const {
+  if (size != x_.size())
+    throw std::invalid_argument("start of " + std::to_string(size) + " numbers, the graph has " +
+                                std::to_string(x_.size()) + " rows");
+  const std::size_t terms = problem_.terms().size(), ports = problem_.ports().size();
+  if (terms == term_lists_.size() && ports == port_lists_.size()) return;
+  throw std::logic_error("interior point: made of " + std::to_string(term_lists_.size()) + " batches of terms and " +
+                         std::to_string(port_lists_.size()) + " of ports, and the problem has " + std::to_string(terms) +
+                         " and " + std::to_string(ports) + " by now: make it after the last add");
 }
 
 /// Adds a range to those from `first` on, or to the last of them.
@@ -112,6 +129,19 @@ void InteriorPoint::sort_by_component(Lists& lists, std::span<const int> instanc
   begin[0] = 0;
 }
 
+namespace {
+
+/// First number that is there twice, or -1. Long lists mostly come in ascending order.
+int repeated(std::span<const int> list, std::vector<int>& scratch) {
+  if (std::ranges::adjacent_find(list, std::greater_equal()) == list.end()) return -1;
+  scratch.assign(list.begin(), list.end());
+  std::ranges::sort(scratch);
+  const auto found = std::ranges::adjacent_find(scratch);
+  return found == scratch.end() ? -1 : *found;
+}
+
+}  // namespace
+
 void InteriorPoint::activate(int batch, std::span<const int> instances) {
   if (batch < 0 || batch >= static_cast<int>(port_lists_.size()))
     throw std::invalid_argument("activate: there is no batch " + std::to_string(batch) + " of ports");
@@ -120,9 +150,12 @@ void InteriorPoint::activate(int batch, std::span<const int> instances) {
   for (const int i : instances)
     if (i < 0 || i >= static_cast<int>(lists.component.size()))
       throw std::invalid_argument("activate: batch " + std::to_string(batch) + " has no port " + std::to_string(i));
+  lists_changed_ = true;  // and lists.running is free
+  if (const int twice = repeated(instances, lists.running); twice >= 0)
+    throw std::invalid_argument("activate: port " + std::to_string(twice) + " of batch " + std::to_string(batch) +
+                                " is named twice");
   lists.given.assign(instances.begin(), instances.end());
   sort_by_component(lists, instances);
-  lists_changed_ = true;
 }
 
 void InteriorPoint::select(std::span<const int> components) {
@@ -130,6 +163,8 @@ void InteriorPoint::select(std::span<const int> components) {
   for (const int c : components)
     if (c < 0 || c >= all)
       throw std::invalid_argument("select: there is no component " + std::to_string(c) + ", but 0 to " + std::to_string(all - 1));
+  if (const int twice = repeated(components, keep_running_); twice >= 0)
+    throw std::invalid_argument("select: component " + std::to_string(twice) + " is named twice");
   selected_.assign(components.begin(), components.end());
 }
 
@@ -152,8 +187,7 @@ void InteriorPoint::set_running() {
 }
 
 void InteriorPoint::begin(std::span<const double> x, double force_factor, std::span<const double> noise) {
-  if (x.size() != x_.size())
-    throw std::invalid_argument("start of " + std::to_string(x.size()) + " numbers, the graph has " + std::to_string(x_.size()) + " rows");
+  check_point(x.size());
   if (!noise.empty() && noise.size() != reports_.size())
     throw std::invalid_argument("noise of " + std::to_string(noise.size()) + " numbers, the graph has " +
                                 std::to_string(reports_.size()) + " components");
@@ -201,10 +235,12 @@ void InteriorPoint::set_default_scales() {
 }
 
 void InteriorPoint::set_row_scale(NodeId node, std::span<const double> scale) {
+  problem_.check_row_scale(node, scale);
   std::copy(scale.begin(), scale.end(), row_scale_.begin() + problem_.graph().row(node));
 }
 
 const Factorization& InteriorPoint::factorize_terms(std::span<const double> x) {
+  check_point(x.size());
   std::copy(x.begin(), x.end(), x_.begin());
   run_all();
   factorization_.set_zero();

@@ -31,7 +31,27 @@ void check(int rows, int columns, std::span<const Triplet> triplets) {
                                   std::to_string(columns));
 }
 
+void check_length(const char* what, std::size_t given, int needed) {
+  if (given != static_cast<std::size_t>(needed))
+    throw std::invalid_argument(std::string(what) + " has " + std::to_string(given) + " numbers, the matrix needs " +
+                                std::to_string(needed));
+}
+
 }  // namespace
+
+void check_columns(const SparseMatrix& matrix) {
+  const auto& begin = matrix.begin;
+  const auto entries = static_cast<std::int64_t>(matrix.row.size());
+  if (begin.size() != static_cast<std::size_t>(matrix.columns) + 1 || begin.front() != 0 || begin.back() != entries ||
+      !std::ranges::is_sorted(begin) || matrix.value.size() != matrix.row.size())
+    throw std::invalid_argument("the columns of the matrix do not fit its " + std::to_string(matrix.row.size()) + " rows and " +
+                                std::to_string(matrix.value.size()) + " values");
+  for (int j = 0; j < matrix.columns; ++j)
+    for (std::int64_t k = begin[j]; k < begin[j + 1]; ++k)
+      if (matrix.row[k] < 0 || matrix.row[k] >= matrix.rows || (k > begin[j] && matrix.row[k] <= matrix.row[k - 1]))
+        throw std::invalid_argument("column " + std::to_string(j + 1) + " of the matrix: row " +
+                                    std::to_string(matrix.row[k] + std::int64_t{1}) + " lies outside or is not in order");
+}
 
 SparseMatrix from_triplets(int rows, int columns, std::span<const Triplet> triplets) {
   check(rows, columns, triplets);
@@ -107,12 +127,16 @@ SymmetryReport symmetry(const SparseMatrix& matrix) {
 }
 
 void multiply(const SparseMatrix& matrix, std::span<const double> x, std::span<double> y) {
+  check_length("x", x.size(), matrix.columns);
+  check_length("y", y.size(), matrix.rows);
   std::fill(y.begin(), y.end(), 0.0);
   for (int j = 0; j < matrix.columns; ++j)
     for (std::int64_t k = matrix.begin[j]; k < matrix.begin[j + 1]; ++k) y[matrix.row[k]] += matrix.value[k] * x[j];
 }
 
 BackwardError backward_error(const SparseMatrix& matrix, std::span<const double> b, std::span<const double> x) {
+  check_length("x", x.size(), matrix.columns);
+  check_length("b", b.size(), matrix.rows);
   const std::size_t n = static_cast<std::size_t>(matrix.rows);
   std::vector<long double> r(b.begin(), b.end());
   std::vector<double> magnitude(n), row_sum(n, 0.0);

@@ -1,12 +1,18 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
+#include "graphsolve/block_detection.hpp"
 #include "graphsolve/bound.hpp"
 #include "graphsolve/factorization.hpp"
 #include "graphsolve/interior_point.hpp"
+#include "graphsolve/io/eigen.hpp"
+#include "graphsolve/linear_quadratic.hpp"
 #include "graphsolve/nonnegative.hpp"
 #include "graphsolve/ordering.hpp"
 #include "graphsolve/port_batch.hpp"
@@ -77,6 +83,121 @@ TEST(WrongArguments, ABoundNeedsAComponentOfItsNode) {
   bounds.add(Bound({1}, 1, Bound::Side::lower, 0.0), Nonnegative());
   problem.add(bounds);
   EXPECT_THROW(InteriorPoint(problem, two.symbolic), std::invalid_argument);
+}
+
+TEST(WrongArguments, ABoundWithoutALimitIsToldFromOneThatCannotBeKept) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (const auto& [side, limit] : {std::pair{Bound::Side::lower, infinity}, {Bound::Side::upper, -infinity},
+                                    {Bound::Side::lower, std::nan("")}, {Bound::Side::upper, std::nan("")}})
+    EXPECT_THROW(Bound({0}, 0, side, limit), std::invalid_argument);
+  EXPECT_NO_THROW(Bound({0}, 0, Bound::Side::lower, -infinity));
+  EXPECT_NO_THROW(Bound({0}, 0, Bound::Side::upper, infinity));
+}
+
+/// x minimises |x|^2, with bounds x_0 >= 1 on the first batch and none at first on the second.
+struct TwoBatches {
+  TwoNodes two;
+  Problem problem{two.graph};
+  QuadraticCost cost;
+  PortLawBatch<Bound, Nonnegative> first, second;
+  TwoBatches() {
+    cost.add_diagonal({0}, std::vector<double>{1, 1});
+    cost.add_diagonal({1}, std::vector<double>{1});
+    problem.add(cost);
+    first.add(Bound({0}, 0, Bound::Side::lower, 1.0), Nonnegative());
+    first.add(Bound({1}, 0, Bound::Side::lower, 1.0), Nonnegative());
+    problem.add(first);
+  }
+};
+
+TEST(WrongArguments, AnInteriorPointKnowsThatItsProblemHasGrown) {
+  TwoBatches a;
+  InteriorPoint solver(a.problem, a.two.symbolic);
+  std::vector<double> x(3, 0.0);
+  ASSERT_EQ(solver.solve(x), Status::solved);
+  a.second.add(Bound({0}, 1, Bound::Side::lower, 2.0), Nonnegative());
+  a.problem.add(a.second);
+  EXPECT_THROW((void)solver.solve(x), std::logic_error);
+  EXPECT_THROW((void)solver.factorize_terms(x), std::logic_error);
+  Factorization target(a.two.symbolic);
+  EXPECT_THROW((void)solver.linearize(x, 0, 1e10, target), std::logic_error);
+  InteriorPoint afterwards(a.problem, a.two.symbolic);
+  ASSERT_EQ(afterwards.solve(x), Status::solved);
+  EXPECT_NEAR(x[1], 2, 1e-7);
+}
+
+TEST(WrongArguments, AnInteriorPointLooksAtTheSizesOfWhatItIsGiven) {
+  TwoBatches a;
+  BlockGraph other;
+  (void)other.add_node("alone", 3);
+  EXPECT_THROW(InteriorPoint(a.problem, std::make_shared<const Symbolic>(other, natural_ordering(other))),
+               std::invalid_argument);
+  InteriorPoint solver(a.problem, a.two.symbolic);
+  std::vector<double> few(2, 0.0), x(3, 0.0);
+  Factorization target(a.two.symbolic), foreign(TwoNodes().symbolic);
+  EXPECT_THROW((void)solver.factorize_terms(few), std::invalid_argument);
+  EXPECT_THROW((void)solver.linearize(few, 0, 1e10, target), std::invalid_argument);
+  EXPECT_THROW((void)solver.linearize(x, 0, 1e10, foreign), std::invalid_argument);
+  EXPECT_THROW(solver.set_row_scale({0}, std::vector<double>{1}), std::invalid_argument);
+  EXPECT_THROW(solver.set_row_scale({1}, std::vector<double>{1, 1}), std::invalid_argument);
+  EXPECT_THROW(solver.set_row_scale({2}, std::vector<double>{1}), std::invalid_argument);
+  EXPECT_THROW(solver.set_row_scale({1}, std::vector<double>{0}), std::invalid_argument);
+}
+
+TEST(WrongArguments, PortsAndComponentsAreNotNamedTwice) {
+  TwoBatches a;
+  InteriorPoint solver(a.problem, a.two.symbolic);
+  std::vector<double> x(3, 0.0);
+  for (const std::vector<int>& twice : {std::vector{1, 1}, {1, 0, 1}, {0, 1, 0, 1}}) {
+    EXPECT_THROW(solver.activate(0, twice), std::invalid_argument);
+    EXPECT_THROW(solver.select(twice), std::invalid_argument);
+  }
+  ASSERT_EQ(solver.solve(x), Status::solved);  // what was refused changed nothing
+  EXPECT_NEAR(x[0] + x[2], 2, 1e-7);
+  solver.activate(0, std::vector{1, 0});
+  solver.select(std::vector{1, 0});
+  x.assign(3, 0.0);
+  ASSERT_EQ(solver.solve(x), Status::solved);
+  EXPECT_NEAR(x[0] + x[2], 2, 1e-7);
+}
+
+TEST(WrongArguments, AProblemTakesNothingAtNodesThatAreNotThere) {
+  TwoNodes two;
+  Problem problem(two.graph);
+  for (const int node : {-1, 2}) {
+    PortLawBatch<Bound, Nonnegative> bounds;
+    bounds.add(Bound({node}, 0, Bound::Side::lower, 0.0), Nonnegative());
+    EXPECT_THROW(problem.add(bounds), std::invalid_argument);
+    EXPECT_THROW(problem.set_row_scale({node}, std::vector<double>{1}), std::invalid_argument);
+  }
+  QuadraticCost nowhere;
+  nowhere.add({}, {});
+  EXPECT_THROW(problem.add(nowhere), std::invalid_argument);
+  EXPECT_TRUE(problem.terms().empty());
+  EXPECT_TRUE(problem.ports().empty());
+}
+
+TEST(WrongArguments, AMatrixGoesToAndFroInItsOwnSizesOnly) {
+  const SparseMatrix matrix = from_triplets(3, 3, std::vector<Triplet>{{0, 0, 2}, {1, 1, 2}, {2, 2, 2}, {0, 1, 1}});
+  const BlockStructure blocks = detect_blocks(matrix);
+  const Symbolic symbolic(blocks.graph, natural_ordering(blocks.graph));
+  const EntryMap entries(matrix, blocks, symbolic);
+  std::vector<double> three(3, 1), two(2, 1), values(symbolic.values_size()), more(values.size() + 1, 1);
+  EXPECT_THROW(blocks.to_graph(two, three), std::invalid_argument);
+  EXPECT_THROW(blocks.to_graph(three, two), std::invalid_argument);
+  EXPECT_THROW(blocks.to_matrix(two, three), std::invalid_argument);
+  EXPECT_THROW(blocks.to_matrix(three, two), std::invalid_argument);
+  EXPECT_THROW(entries.write(three, values), std::invalid_argument);
+  EXPECT_THROW(entries.write(matrix.value, more), std::invalid_argument);
+  EXPECT_EQ(more, std::vector<double>(more.size(), 1));
+  EXPECT_THROW(multiply(matrix, two, three), std::invalid_argument);
+  EXPECT_THROW(multiply(matrix, three, two), std::invalid_argument);
+  EXPECT_THROW((void)backward_error(matrix, two, three), std::invalid_argument);
+  EXPECT_THROW((void)backward_error(matrix, three, two), std::invalid_argument);
+  SparseMatrix crooked = matrix;
+  crooked.row.back() = 7;
+  EXPECT_THROW((void)io::to_eigen(crooked), std::invalid_argument);
+  EXPECT_THROW(EntryMap(crooked, blocks, symbolic), std::invalid_argument);
 }
 
 }  // namespace

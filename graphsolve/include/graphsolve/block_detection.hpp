@@ -20,7 +20,7 @@ struct BlockStructure {
   std::int64_t added_entries = 0;  ///< entries that the matrix had not and that make its pattern symmetric: zeros
   bool symmetric = false;          ///< the matrix is, pattern and values
 
-  /// graph_rows[row_of[i]] := matrix_rows[i], and back. Lengths: rows().
+  /// graph_rows[row_of[i]] := matrix_rows[i], and back. Lengths: rows(); another one throws std::invalid_argument.
   void to_graph(std::span<const double> matrix_rows, std::span<double> graph_rows) const;
   void to_matrix(std::span<const double> graph_rows, std::span<double> matrix_rows) const;
   /// Rows of the matrix that make up a node, from 0, in the order of the node's rows.
@@ -89,11 +89,13 @@ class EntryMap {
  public:
   /// Throws std::invalid_argument when the symbolic has no block for an entry.
   EntryMap(const SparseMatrix& matrix, const BlockStructure& structure, const Symbolic& symbolic);
-  /// factor_values := the matrix, zeros where it has none. `values` as in SparseMatrix::value. Allocates nothing.
+  /// factor_values := the matrix, zeros where it has none. `values` as in SparseMatrix::value, factor_values of
+  /// Symbolic::values_size(); other lengths throw std::invalid_argument. Allocates nothing.
   void write(std::span<const double> values, std::span<double> factor_values) const;
 
  private:
   std::vector<std::int64_t> offset_;  ///< per entry
+  std::int64_t values_size_;          ///< of the factor
 };
 
 }  // namespace graphsolve

@@ -41,18 +41,21 @@ struct Profile {
 };
 
 /// Primal-dual interior point (Mehrotra predictor-corrector) on the graph. Every connected component has a barrier, step
-/// length and end of its own; without an active port plain Newton. symbolic: of problem.graph() after every add().
+/// length and end of its own; without an active port plain Newton. symbolic: of problem.graph() after every add(); what is
+/// added later makes solve, linearize and factorize_terms throw std::logic_error.
 /// Allocates in the constructor only. Laws keep their private unknowns between solves: the next solve starts warm.
 class InteriorPoint {
  public:
   InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> symbolic, InteriorPointSettings settings = {});
 
-  /// Which instances of a port batch exist in the next solves; all of them at first.
+  /// Which instances of a port batch exist in the next solves; all of them at first. Throws std::invalid_argument where
+  /// one is named twice or is not there.
   void activate(int batch, std::span<const int> instances);
 
-  /// Which components the next solves are about; all of them at first. The others are left as they are.
+  /// Which components the next solves are about; all of them at first. The others are left as they are. Throws as
+  /// activate does.
   void select(std::span<const int> components);
-  /// Other numbers for Problem::set_row_scale.
+  /// Other numbers for Problem::set_row_scale, checked as they are there.
   void set_row_scale(NodeId node, std::span<const double> scale);
 
   /// In: start. Out: solution of all selected components that were solved; the others keep their start, and their laws
@@ -92,6 +95,7 @@ class InteriorPoint {
   enum class Phase { full, frozen, refrozen, polish };  ///< refrozen: started cold at the size of the last change
   enum class With { residual_alone, matrix };
 
+  void check_point(std::size_t size) const;
   void make_lists(Lists& lists, std::span<const int> component_of_instance);
   void sort_by_component(Lists& lists, std::span<const int> instances);
   void find_row_ranges();

@@ -22,7 +22,10 @@ class Problem {
 
   /// Makes residuals comparable: |residual| * scale is what the stopping test reads, one entry per row of the
   /// node. Rows that are not set get one over the diagonal of the matrix where that is positive, else 1.
+  /// Throws std::invalid_argument unless all are numbers > 0.
   void set_row_scale(NodeId node, std::span<const double> scale);
+  /// What set_row_scale throws.
+  void check_row_scale(NodeId node, std::span<const double> scale) const;
 
   [[nodiscard]] const BlockGraph& graph() const { return graph_; }
   [[nodiscard]] std::span<Term* const> terms() const { return terms_; }
@@ -31,6 +34,7 @@ class Problem {
   [[nodiscard]] std::span<const double> row_scale() const { return row_scale_; }
 
  private:
+  void check_node(NodeId node, const char* what) const;
   void couple(std::span<const NodeId> nodes, Coupling coupling);
   BlockGraph graph_;
   std::vector<Term*> terms_;

@@ -18,6 +18,10 @@ struct SparseMatrix {
   [[nodiscard]] std::int64_t entries() const { return begin.back(); }
 };
 
+/// A matrix that somebody put together by hand may point anywhere: throws std::invalid_argument when columns, rows and
+/// values do not fit each other.
+void check_columns(const SparseMatrix& matrix);
+
 /// One entry, for building a matrix.
 struct Triplet {
   int row;
@@ -38,7 +42,7 @@ struct SymmetryReport {
 };
 SymmetryReport symmetry(const SparseMatrix& matrix);
 
-/// y := A x. x has `columns` entries, y has `rows`.
+/// y := A x. x has `columns` entries, y has `rows`; another length throws std::invalid_argument, here and below.
 void multiply(const SparseMatrix& matrix, std::span<const double> x, std::span<double> y);
 
 /// Backward errors of a solution x of A x = b, with r = b - A x summed in long double; NaN when x holds one.

@@ -34,9 +34,11 @@ SparseMatrix from_eigen(const Eigen::SparseMatrixBase<Derived>& expression) {
   return matrix;
 }
 
-/// A copy, compressed. `Index` is the type of Eigen's indices; throws std::invalid_argument when it is too narrow.
+/// A copy, compressed. `Index` is the type of Eigen's indices; throws std::invalid_argument when it is too narrow,
+/// and as check_columns does.
 template <class Index = int, int Options = Eigen::ColMajor>
 Eigen::SparseMatrix<double, Options, Index> to_eigen(const SparseMatrix& matrix) {
+  check_columns(matrix);
   if (matrix.entries() > static_cast<std::int64_t>(std::numeric_limits<Index>::max()))
     throw std::invalid_argument("more entries than this type of index can count");
   Eigen::SparseMatrix<double, Eigen::ColMajor, Index> eigen(matrix.rows, matrix.columns);
