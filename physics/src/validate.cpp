@@ -15,6 +15,7 @@ namespace {
 constexpr double unit_tolerance = 1e-6;     ///< vectors and quaternions this near to unit are normalised
 constexpr double inertia_tolerance = 1e-9;  ///< relative; a flat disc lies on the triangle inequality
 constexpr int most_directions = 1024;       ///< the cost of a contact grows with their square
+constexpr double largest_friction = 1000;   ///< as in the built-in scenes; iterations run out where it wedges
 constexpr double largest_turn = 1.9;        ///< |w| dt; the update of a quaternion ends at 2
 
 template <class... Arguments>
@@ -33,6 +34,7 @@ void check_finite(std::string_view thing, std::string_view key, const Vec3& valu
 void check_positive(std::string_view thing, std::string_view key, double value, std::string_view unit) {
   if (!(value > 0)) fail("{}: {} {} {} is not > 0", thing, key, value, unit);
   if (std::isinf(value)) fail("{}: {} {} {} is not finite", thing, key, value, unit);
+  if (!std::isnormal(value)) fail("{}: {} {} {} is so small that its digits are lost", thing, key, value, unit);
 }
 void check_not_negative(std::string_view thing, std::string_view key, double value) {
   if (!(value >= 0)) fail("{}: {} {} is not >= 0", thing, key, value);
@@ -96,6 +98,8 @@ void check_inertia(std::string_view thing, Mat3& inertia) {
   }
   if (!(moments.minCoeff() > rounding))
     fail("{}: inertia is not positive definite (principal moments {} kg m^2)", thing, text(moments));
+  if (!std::isnormal(moments.minCoeff()))
+    fail("{}: inertia is so small that its digits are lost (principal moments {} kg m^2)", thing, text(moments));
   const double largest = moments.maxCoeff(), others = moments.sum() - largest;
   if (others < largest * (1 - inertia_tolerance))
     fail("{}: inertia violates the triangle inequality (principal moments {} kg m^2: the smaller two add up to {:g})",
@@ -215,6 +219,9 @@ void check_contact(const Mechanism& mechanism, Contact& contact) {
   check_unit(thing, "normal", contact.normal);
   check_finite(thing, "plane point", contact.plane_point);
   if (contact.friction) check_not_negative(thing, "friction", *contact.friction);
+  if (contact.friction > largest_friction)
+    fail("{}: friction {} is above {}, where nothing slides any more and solves fail", thing, *contact.friction,
+         largest_friction);
   if (contact.directions < 4 || contact.directions > most_directions || contact.directions % 2 != 0)
     fail("{}: directions {} is not an even number from 4 to {}", thing, contact.directions, most_directions);
   if (contact.tangent) check_tangent(thing, contact.normal, *contact.tangent);

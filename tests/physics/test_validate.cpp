@@ -93,6 +93,8 @@ TEST(Validate, NamesAWrongMass) {
   EXPECT_EQ(message(CHANGE(scene.bodies[1].mass = 0)), "body 'rod': mass 0 kg is not > 0");
   EXPECT_EQ(message(CHANGE(scene.bodies[1].mass = nan)), "body 'rod': mass nan kg is not > 0");
   EXPECT_EQ(message(CHANGE(scene.bodies[1].mass = infinity)), "body 'rod': mass inf kg is not finite");
+  EXPECT_EQ(message(CHANGE(scene.bodies[1].mass = 1e-320)),
+            "body 'rod': mass 1e-320 kg is so small that its digits are lost");
 }
 
 TEST(Validate, NamesAnUnsymmetricInertia) {
@@ -258,6 +260,9 @@ TEST(Validate, NamesAWrongFriction) {
   EXPECT_EQ(message(CHANGE(scene.contacts[0].friction = -0.1)), "contact 'rim': friction -0.1 is not >= 0");
   EXPECT_EQ(message(CHANGE(scene.contacts[0].friction = nan)), "contact 'rim': friction nan is not >= 0");
   EXPECT_EQ(message(CHANGE(scene.contacts[0].friction = infinity)), "contact 'rim': friction inf is not finite");
+  EXPECT_EQ(message(CHANGE(scene.contacts[0].friction = 1e300)),
+            "contact 'rim': friction 1e+300 is above 1000, where nothing slides any more and solves fail");
+  EXPECT_EQ(message(CHANGE(scene.contacts[0].friction = 1000)), "");
 }
 
 TEST(Validate, WantsAnEvenNumberOfDirections) {

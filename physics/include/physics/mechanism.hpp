@@ -96,7 +96,7 @@ struct Contact {
   Vec3 point = Vec3::Zero();        ///< body frame [m]
   Vec3 normal = Vec3::UnitZ();      ///< world, out of the solid side
   Vec3 plane_point = Vec3::Zero();  ///< world [m]
-  std::optional<double> friction;   ///< coefficient >= 0; absent: frictionless
+  std::optional<double> friction;   ///< coefficient, 0 to 1000; absent: frictionless
   FrictionModel friction_model = FrictionModel::aligned;
   int directions = 4;           ///< facets of the pyramid, even, >= 4
   std::optional<Vec3> tangent;  ///< first friction direction of `pyramid`; absent: any
