@@ -1,6 +1,7 @@
 #include "physics/batch_simulator.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <numeric>
@@ -15,6 +16,22 @@ namespace {
 int at_least_one(int lanes) {
   if (lanes < 1) throw DescriptionError(fmt::format("a batch of {} lanes: at least one is needed", lanes));
   return lanes;
+}
+
+/// Bytes that a lane holds, at least: docs/architecture.md counts a third to a half more.
+double least_bytes(const Mechanism& scene, const ProblemSize& size, int lanes) {
+  const double nodes = 2000.0 * size.body_nodes + 1000.0 * size.joint_nodes;
+  return nodes / lanes + 1000.0 * static_cast<double>(scene.contacts.size());
+}
+
+/// Before all memory is taken, and whoever else needs some is stopped.
+void check_memory(int lanes, double bytes_per_lane) {
+  const double needed = bytes_per_lane * lanes;
+  const double there = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  if (needed > there)
+    throw DescriptionError(fmt::format("a batch of {} lanes needs {:.3g} GB or more, and this machine has {:.3g} GB: "
+                                       "take fewer lanes, which copies can use in turn",
+                                       lanes, needed / 1e9, there / 1e9));
 }
 
 }  // namespace
@@ -37,6 +54,7 @@ struct BatchSimulator::Impl {
       Cohort& cohort = cohorts.emplace_back(std::make_unique<Stepper>(scene, some, options, same));
       cohort.running.resize(some);
       std::iota(cohort.running.begin(), cohort.running.end(), 0);
+      if (first == 0) check_memory(lanes, least_bytes(scene, cohort.stepper->size, some));
     }
     reckon();
   }

@@ -238,4 +238,27 @@ TEST_F(Allocation, OfALinkIsBounded) {
 
 TEST_F(Allocation, OfABodyWithOneContactIsBounded) { EXPECT_LE(bytes_per_link("balls, one contact each", balls), 3980); }
 
+double bytes_held_by_batch(const Mechanism& scene, int lanes) {
+  const std::int64_t before = allocation::bytes_in_use();
+  const BatchSimulator batch(scene, lanes);
+  return static_cast<double>(allocation::bytes_in_use() - before);
+}
+
+/// So many lanes fit nowhere, and the sentence that refuses them must neither exaggerate nor play down.
+TEST_F(Allocation, WhatABatchSaysThatItNeedsIsALowerBound) {
+  for (const char* spec : {"snake:n=20", "pendulum:n=20", "disc", "free_top"}) {
+    const Mechanism scene = built_in_scene(spec);
+    const double per_lane = (bytes_held_by_batch(scene, 64) - bytes_held_by_batch(scene, 32)) / 32;
+    try {
+      const BatchSimulator endless(scene, 2'000'000'000);
+      FAIL() << spec;
+    } catch (const DescriptionError& error) {
+      double needed = 0;
+      ASSERT_EQ(std::sscanf(error.what(), "a batch of 2000000000 lanes needs %lf GB or more", &needed), 1) << error.what();
+      EXPECT_LE(needed, per_lane * 2) << spec;
+      EXPECT_GE(needed, per_lane * 2 / 4) << spec;
+    }
+  }
+}
+
 }  // namespace

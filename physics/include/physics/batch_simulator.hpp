@@ -19,7 +19,8 @@ namespace physics {
 class BatchSimulator {
  public:
   /// lanes: how many copies there is room for, >= 1; multiples of 8 fill the vectors. Every lane starts as a copy of the
-  /// scene. Throws DescriptionError when the scene is wrong or lanes < 1.
+  /// scene. Throws DescriptionError when the scene is wrong, lanes < 1, or so many are certain not to fit into
+  /// this machine's memory.
   BatchSimulator(const Mechanism& scene, int lanes, const SimulatorSettings& settings = {});
   ~BatchSimulator();
   BatchSimulator(BatchSimulator&&) noexcept;
