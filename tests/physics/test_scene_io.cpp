@@ -172,6 +172,38 @@ TEST(SceneIo, ATrajectoryOfASimulationReadsBackAndRunsAgainToTheSameBits) {
   }
 }
 
+TEST(SceneIo, WhatJsonCannotSayIsRefusedBeforeAnythingIsWritten) {
+  const Trajectory good{built_in_scene("pendulum:n=2"), {}};
+  const auto message = [&](auto&& spoil) {
+    Trajectory trajectory = good;
+    trajectory.steps.resize(1);
+    trajectory.steps[0].step = 4;
+    trajectory.steps[0].bodies.resize(2);
+    spoil(trajectory);
+    std::ostringstream out;
+    try {
+      write_trajectory_json(trajectory, out);
+    } catch (const DescriptionError& error) {
+      EXPECT_EQ(out.str(), "");
+      return std::string(error.what());
+    }
+    (void)parse_scene_json(out.str());
+    return std::string();
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(message([&](Trajectory&) {}), "");
+  EXPECT_EQ(message([&](Trajectory& t) { t.mechanism.bodies[1].mass = nan; }), "cannot write bodies[1].mass: nan is not finite");
+  EXPECT_EQ(message([&](Trajectory& t) { t.mechanism.time_step = -INFINITY; }), "cannot write time_step: -inf is not finite");
+  EXPECT_EQ(message([&](Trajectory& t) { t.mechanism.gravity.z() = nan; }), "cannot write gravity[2]: nan is not finite");
+  EXPECT_EQ(message([&](Trajectory& t) { t.steps[0].bodies[1].velocity.x() = nan; }),
+            "cannot write record 4.bodies[1].velocity[0]: nan is not finite");
+  EXPECT_EQ(message([&](Trajectory& t) { t.mechanism.joints[0].name = "kn\xff"; }),
+            "cannot write joints[0].name: \"kn\\ufffd\" is not UTF-8");
+  EXPECT_EQ(message([&](Trajectory& t) { t.mechanism.name = "\xc3"; }), "cannot write name: \"\\ufffd\" is not UTF-8");
+  EXPECT_EQ(message([&](Trajectory& t) { t.mechanism.joints[1].child = {7}; }),
+            "cannot write body 7: the scene has 2, counted from 0");
+}
+
 TEST(SceneIo, CsvHasOneRowPerRecordAndEqualNumbersOfCells) {
   Trajectory trajectory = read_scene(reference_path("chain_n2_c3"));
   trajectory.mechanism.bodies[0].name = "a, \"b\"";

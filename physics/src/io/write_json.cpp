@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 
 #include "io/document.hpp"
 #include "io/names.hpp"
@@ -10,9 +11,43 @@ namespace physics::io {
 
 namespace {
 
+bool is_utf8(const Json& text) {
+  try {
+    (void)text.dump();
+  } catch (const Json::type_error&) {
+    return false;
+  }
+  return true;
+}
+
+/// First value, at any depth, that JSON cannot say: a number that is not finite, text that is not UTF-8.
+const Json* unspeakable(const Json& json) {
+  if (json.is_number_float()) return std::isfinite(json.get<double>()) ? nullptr : &json;
+  if (json.is_string()) return is_utf8(json) ? nullptr : &json;
+  if (json.is_structured())
+    for (const Json& child : json)
+      if (const Json* found = unspeakable(child)) return found;
+  return nullptr;
+}
+
 /// The library writes a double in the shortest form that reads back as the same bits (at most 17 digits), always
-/// with a point or an exponent, so that -0.0 keeps its sign.
-std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+/// with a point or an exponent, so that -0.0 keeps its sign. What it would replace, here "null" and there another name, is
+/// an error; where() says of what.
+template <class Where>
+std::string dump(const Json& json, const Where& where) {
+  if (const Json* wrong = unspeakable(json)) {
+    const std::string path = text(path_to(json, *wrong));
+    const bool number = wrong->is_number_float();
+    throw DescriptionError(fmt::format(
+        "cannot write {}{}{}: {} is not {}", where(), path.empty() || path.starts_with('[') ? "" : ".", path,
+        number ? fmt::format("{}", wrong->get<double>()) : wrong->dump(-1, ' ', true, Json::error_handler_t::replace),
+        number ? "finite" : "UTF-8"));
+  }
+  return json.dump();
+}
+std::string dump(const Json& json, const char* key) {
+  return dump(json, [key] { return key; });
+}
 
 Json to_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 Json to_json(const Quat& q) { return {q.w(), q.x(), q.y(), q.z()}; }
@@ -125,7 +160,11 @@ class Writer {
 
  private:
   [[nodiscard]] std::string name(BodyId id) const {
-    return id.is_world() ? "world" : mechanism_.bodies.at(id.index).name;
+    if (id.is_world()) return "world";
+    if (id.index >= static_cast<int>(mechanism_.bodies.size()))
+      throw DescriptionError(fmt::format("cannot write body {}: the scene has {}, counted from 0", id.index,
+                                         mechanism_.bodies.size()));
+    return mechanism_.bodies[id.index].name;
   }
   const Mechanism& mechanism_;
 };
@@ -134,19 +173,19 @@ class Writer {
 template <class List, class ToJson>
 std::string lines(const char* key, const List& list, const ToJson& to_json) {
   std::string text = fmt::format(",\n  \"{}\": [", key);
-  for (std::size_t i = 0; i < list.size(); ++i) text += (i ? ",\n    " : "\n    ") + dump(to_json(list[i]));
+  for (std::size_t i = 0; i < list.size(); ++i) text += (i ? ",\n    " : "\n    ") + dump(to_json(list[i]), [&] { return fmt::format("{}[{}]", key, i); });
   return text + (list.empty() ? "]" : "\n  ]");
 }
 
 /// The scene without the bracket that ends it.
 std::string open_scene(const Mechanism& mechanism) {
-  std::string text = fmt::format("{{\n  \"format\": {}, \"version\": {}, \"name\": {},\n", dump(format_name),
-                                 format_version, dump(mechanism.name));
-  text += fmt::format("  \"time_step\": {}, \"gravity\": {}, \"start\": {}", dump(mechanism.time_step),
-                      dump(to_json(mechanism.gravity)), dump(word(mechanism.start, starts)));
+  std::string text = fmt::format("{{\n  \"format\": {}, \"version\": {}, \"name\": {},\n", dump(format_name, "format"),
+                                 format_version, dump(mechanism.name, "name"));
+  text += fmt::format("  \"time_step\": {}, \"gravity\": {}, \"start\": {}", dump(mechanism.time_step, "time_step"),
+                      dump(to_json(mechanism.gravity), "gravity"), dump(word(mechanism.start, starts), "start"));
   Json extras = Json::object();
   add(extras, mechanism.extras);
-  for (const auto& item : extras.items()) text += fmt::format(",\n  {}: {}", dump(item.key()), dump(item.value()));
+  for (const auto& item : extras.items()) text += fmt::format(",\n  {}: {}", dump(item.key(), "a key"), dump(item.value(), item.key().c_str()));
   const Writer writer(mechanism);
   const auto to_json = [&writer](const auto& thing) { return writer.to_json(thing); };
   text += lines("bodies", mechanism.bodies, [](const Body& body) { return io::to_json(body); });
@@ -202,7 +241,7 @@ std::string json_step(const StepRecord& record) {
     for (const JointRecord& joint : record.joints) joints.push_back(to_json(joint));
   }
   if (record.solver) json["solver"] = to_json(*record.solver);
-  return "    " + dump(json);
+  return "    " + dump(json, [&] { return fmt::format("record {}", record.step); });
 }
 
 }  // namespace physics::io

@@ -39,9 +39,9 @@ class Pieces {
 
 void write(Format format, const Trajectory& trajectory, std::ostream& out) {
   Pieces pieces(format, trajectory.mechanism);
-  out << pieces.begin();
-  for (const StepRecord& record : trajectory.steps) out << pieces.next(record);
-  out << pieces.end();
+  std::string text = pieces.begin();  // all of it, before the first word is out
+  for (const StepRecord& record : trajectory.steps) text += pieces.next(record);
+  out << text << pieces.end();
 }
 
 void write(Format format, const Trajectory& trajectory, const std::string& path) {
