@@ -55,7 +55,10 @@ void set_friction(Contact& contact, std::string_view key, double value) {
   if (!(contact.friction.value_or(0) > 0))
     throw DescriptionError(fmt::format("vary '{}': contact '{}' has no friction to vary", key, contact.name));
   // Without friction a contact is another law.
-  if (!(value > 0)) throw DescriptionError(fmt::format("contact '{}': friction {} is not > 0", contact.name, value));
+  if (!(value > 0))
+    throw DescriptionError(fmt::format("contact '{}': friction {} is not > 0; take a small coefficient, such as 1e-6 "
+                                       "(without any, a contact is another law, and all copies share one)",
+                                       contact.name, value));
   contact.friction = value;
 }
 

@@ -180,12 +180,16 @@ void Joints::reset_coordinate(int i) {
       coordinate(joint, bodies_.pose_now(joint.geometry.parent), bodies_.pose_now(joint.geometry.child));
 }
 
-double Joints::error(int i, const Pose& parent, const Pose& child) const {
+JointError Joints::error(int i, const Pose& parent, const Pose& child) const {
   const Joint& joint = joints_[i];
-  double g[6], largest = 0;
+  double g[6];
+  JointError error;
   violation(joint, parent, child, g);
-  for (int r = 0; r < constraints(joint.kind); ++r) largest = std::max(largest, std::abs(g[r]));
-  return largest;
+  for (int r = 0; r < constraints(joint.kind); ++r) {
+    double& largest = r < translations(joint.kind) ? error.distance : error.angle;
+    largest = std::max(largest, std::abs(g[r]));
+  }
+  return error;
 }
 
 void Joints::impulse(int i, std::span<const double> x, Vec3& linear, Vec3& angular) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -13,6 +14,12 @@ struct StepStart;
 
 /// q_a^-1 q_b q_off^-1, on the half of the double cover that holds the identity.
 Quat relative_rotation(const JointGeometry& g, const Pose& a, const Pose& b);
+
+/// Largest of the rows that a joint should keep at zero.
+struct JointError {
+  double distance = 0, angle = 0;  ///< [m], [rad]
+  [[nodiscard]] double largest() const { return std::max(distance, angle); }
+};
 
 /// Joints of all types, one saddle node each, made of parts:
 ///   translation rows  T R_a^T d,  d = x_b + R_b p_b - x_a - R_a p_a   (spherical, revolute: d itself)
@@ -73,7 +80,7 @@ class Joints final : public graphsolve::Term {
   [[nodiscard]] bool any_motor() const { return !motors_.empty(); }
   [[nodiscard]] int translation_rows(int i) const { return translations(joints_[i].kind); }
   /// Largest constraint violation between two poses [m, rad].
-  [[nodiscard]] double error(int i, const Pose& parent, const Pose& child) const;
+  [[nodiscard]] JointError error(int i, const Pose& parent, const Pose& child) const;
   /// Impulse on the child, world frame, and angular impulse about its joint point, from the multipliers.
   void impulse(int i, std::span<const double> x, Vec3& linear, Vec3& angular) const;
   [[nodiscard]] double motor_impulse(int i, std::span<const double> x) const;

@@ -25,7 +25,7 @@ double Stepper::largest_joint_error(int lane) const {
   for (int k = 0; k < joints_per_lane; ++k) {
     const int j = joint(lane, k);
     const JointGeometry& g = joints.geometry(j);
-    largest = std::max(largest, joints.error(j, bodies.pose_now(g.parent), bodies.pose_now(g.child)));
+    largest = std::max(largest, joints.error(j, bodies.pose_now(g.parent), bodies.pose_now(g.child)).largest());
   }
   return largest;
 }
@@ -86,7 +86,7 @@ void Stepper::write_joints(int lane, std::span<JointRecord> records) const {
     const int j = joint(lane, k);
     const JointGeometry& g = joints.geometry(j);
     JointRecord& record = records[g.source];
-    record.error = joints.error(j, bodies.pose_now(g.parent), bodies.pose_now(g.child));
+    record.error = joints.error(j, bodies.pose_now(g.parent), bodies.pose_now(g.child)).largest();
     if (joints.has_motor(j)) record.effort = 0;
     if (impulse_time == 0) continue;
     joints.impulse(j, unknowns, record.force, record.torque);

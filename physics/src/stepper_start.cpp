@@ -95,10 +95,12 @@ void Stepper::check_start(int lane) const {
   for (int k = 0; k < joints_per_lane; ++k) {
     const int j = joint(lane, k);
     const JointGeometry& g = joints.geometry(j);
-    const double error = joints.error(j, bodies.pose_now(g.parent), bodies.pose_now(g.child));
-    if (error > largest_start_error)
-      throw DescriptionError(fmt::format("joint '{}': the start leaves it open by {:.3g} (m or rad)",
-                                         lanes[lane].mechanism.joints[g.source].name, error));
+    const auto [distance, angle] = joints.error(j, bodies.pose_now(g.parent), bodies.pose_now(g.child));
+    const std::string& name = lanes[lane].mechanism.joints[g.source].name;
+    if (distance > largest_start_error)
+      throw DescriptionError(fmt::format("joint '{}': its points start {:.3g} m apart", name, distance));
+    if (angle > largest_start_error)
+      throw DescriptionError(fmt::format("joint '{}': its bodies start {:.3g} rad off their orientation", name, angle));
   }
 }
 

@@ -111,6 +111,8 @@ TEST(SceneErrors, WrongKindsOfValuesAreNamed) {
             "s.json:3: contacts[0].name: is a number, expected text");
   EXPECT_EQ(json_error(with("contacts", R"("name": "c", "body": "a", "directions": 4.5)")),
             "s.json:3: contacts[0].directions: is 4.5, expected a whole number");
+  EXPECT_EQ(json_error(with("loads", R"("body": "a", "steps": [1, 99999999999])")),
+            "s.json:3: loads[0].steps[1]: is 99999999999, expected a whole number from -2147483647 to 2147483647");
   EXPECT_EQ(json_error(scene("\"bodies\": {}")), "s.json:2: bodies: is an object, expected a list");
   EXPECT_EQ(json_error(scene("\"bodies\": [7]")), "s.json:2: bodies[0]: is a number, expected an object");
   EXPECT_EQ(json_error(scene("\"bodies\": [{\"name\": \"a\", \"mass\": 1, \"inertia\": 3}]")),

@@ -209,4 +209,25 @@ TEST(State, AStartThatOpensAJointIsCorrectedAndSaysByHowMuch) {
   EXPECT_LE(simulator.largest_joint_error(), 1e-9);
 }
 
+TEST(State, AJointThatStartsOpenIsNamedWithItsUnit) {
+  const auto message = [](auto&& open) {
+    Mechanism scene = built_in_scene("pendulum:n=2,joint=revolute");
+    open(scene.bodies[1]);
+    try {
+      const Simulator simulator(scene);
+    } catch (const DescriptionError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string joint = "joint '" + built_in_scene("pendulum:n=2,joint=revolute").joints[1].name + "': ";
+  EXPECT_EQ(message([](Body& link) { link.position.y() += 0.25; }), joint + "its points start 0.25 m apart");
+  const std::string turned = message([](Body& link) {
+    // About the point of the joint, which lies on the axis of the link.
+    const Quat turn(Eigen::AngleAxisd(0.1, link.orientation * Vec3::UnitZ()));
+    link.orientation = turn * link.orientation;
+  });
+  EXPECT_EQ(turned, joint + "its bodies start 0.1 rad off their orientation");
+}
+
 }  // namespace

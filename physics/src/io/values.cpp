@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace physics::io {
 
@@ -34,8 +35,10 @@ double number(const Json& json) {
 
 int integer(const Json& json) {
   const double value = number(json);
-  if (value != std::floor(value) || std::abs(value) > 2147483647.0)
-    throw ReadError{&json, fmt::format("is {}, expected a whole number", value)};
+  if (value != std::floor(value)) throw ReadError{&json, fmt::format("is {}, expected a whole number", value)};
+  constexpr int most = std::numeric_limits<int>::max();
+  if (std::abs(value) > most)
+    throw ReadError{&json, fmt::format("is {:.0f}, expected a whole number from -{} to {}", value, most, most)};
   return static_cast<int>(value);
 }
 
