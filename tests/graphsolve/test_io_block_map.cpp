@@ -77,29 +77,46 @@ TEST(BlockMapFile, EveryMistakeIsNamedWithItsPlace) {
   EXPECT_EQ(error_of("3 x"), "map.json: this is neither JSON nor a list of block sizes");
   EXPECT_EQ(error_of("{\n\"a\": 1,,\n}"), "map.json:2: this is no JSON: syntax error");
   EXPECT_EQ(error_of("[]"), "map.json: there are no blocks");
-  EXPECT_EQ(error_of("[3, 0]"), "map.json: [1]: 0 is no whole number from 1 on");
-  EXPECT_EQ(error_of("[3, 1.5]"), "map.json: [1]: 1.5 is no whole number from 1 on");
-  EXPECT_EQ(error_of("[2000000000]"), "map.json: [0]: 2000000000 rows are more than a block may have (16384)");
+  EXPECT_EQ(error_of("[3, 0]"), "map.json:1: [1]: 0 is no whole number from 1 on");
+  EXPECT_EQ(error_of("[3, 1.5]"), "map.json:1: [1]: 1.5 is no whole number from 1 on");
+  EXPECT_EQ(error_of("[2000000000]"), "map.json:1: [0]: 2000000000 rows are more than a block may have (16384)");
   EXPECT_EQ(error_of("{}"), "map.json: the key 'format' must be 'graphsolve-blocks'");
   EXPECT_EQ(error_of(R"({"format": "graphsolve-blocks", "version": 2, "blocks": [1]})"),
             "map.json: the key 'version' must be 1");
   EXPECT_EQ(error_of(R"({"format": "graphsolve-blocks", "version": 1})"), "map.json: the key 'blocks' is missing");
-  EXPECT_EQ(error_of(blocks("3")), "map.json: blocks: 3 is no list");
-  EXPECT_EQ(error_of(blocks("[\"x\"]")), "map.json: blocks[0]: 'x' is no object");
+  EXPECT_EQ(error_of(blocks("3")), "map.json:1: blocks: 3 is no list");
+  EXPECT_EQ(error_of(blocks("[\"x\"]")), "map.json:1: blocks[0]: 'x' is no object");
   EXPECT_EQ(error_of(blocks(R"([{"name": "a"}])")),
-            "map.json: blocks[0]: needs either 'dimension' (the next rows) or 'rows' (a list)");
-  EXPECT_EQ(error_of(blocks(R"([{"dimension": 1, "size": 2}])")), "map.json: blocks[0]: unknown key 'size'");
+            "map.json:1: blocks[0]: needs either 'dimension' (the next rows) or 'rows' (a list)");
+  EXPECT_EQ(error_of(blocks(R"([{"dimension": 1, "size": 2}])")), "map.json:1: blocks[0]: unknown key 'size'");
   EXPECT_EQ(error_of(blocks(R"([{"dimension": 1, "kind": "sadle"}])")),
-            "map.json: blocks[0].kind: 'sadle' is no kind; there are: regular, semidefinite, saddle, shared");
-  EXPECT_EQ(error_of(blocks(R"([{"rows": [1, 0]}])")), "map.json: blocks[0].rows[1]: 0 is no whole number from 1 on");
-  EXPECT_EQ(error_of(blocks(R"([{"rows": []}])")), "map.json: blocks[0].rows: a block has at least one row");
-  EXPECT_EQ(error_of(blocks(R"([{"dimension": 1, "name": ""}])")), "map.json: blocks[0].name: '' is no name");
+            "map.json:1: blocks[0].kind: 'sadle' is no kind; there are: regular, semidefinite, saddle, shared");
+  EXPECT_EQ(error_of(blocks(R"([{"rows": [1, 0]}])")), "map.json:1: blocks[0].rows[1]: 0 is no whole number from 1 on");
+  EXPECT_EQ(error_of(blocks(R"([{"rows": []}])")), "map.json:1: blocks[0].rows: a block has at least one row");
+  EXPECT_EQ(error_of(blocks(R"([{"dimension": 1, "name": ""}])")), "map.json:1: blocks[0].name: '' is no name");
   EXPECT_EQ(error_of(blocks(R"([{"dimension": 1, "name": "a"}, {"dimension": 1, "name": "a"}])")),
-            "map.json: blocks[1]: the name 'a' is taken by blocks[0]");
+            "map.json:1: blocks[1]: the name 'a' is taken by blocks[0]");
   EXPECT_EQ(error_of(blocks(R"([1], "edges": [{"from": "row 1", "to": "b"}])")),
-            "map.json: edges[0].to: there is no block 'b'");
+            "map.json:1: edges[0].to: there is no block 'b'");
   EXPECT_EQ(error_of(blocks(R"([1, 1], "edges": [{"from": "row 1", "to": "row 2", "rank": "high"}])")),
-            "map.json: edges[0].rank: 'high' is no rank; there are: unknown, full_row, full_column, full");
+            "map.json:1: edges[0].rank: 'high' is no rank; there are: unknown, full_row, full_column, full");
+}
+
+TEST(BlockMapFile, DeepNestingIsAMistakeLikeOthers) {
+  const std::string deep = std::string(300'000, '[') + std::string(300'000, ']');
+  EXPECT_EQ(error_of(deep), "map.json:1: [0]: a list of 1 is no object");
+  EXPECT_EQ(error_of(blocks(deep)), "map.json:1: blocks[0]: a list of 1 is no object");
+}
+
+TEST(BlockMapFile, MistakesAreNamedWithTheirLine) {
+  const std::string head = "{\n \"format\": \"graphsolve-blocks\",\n \"version\": 1,\n \"blocks\": [\n";
+  EXPECT_EQ(error_of(head + "  {\"name\": \"a]\\\"}\", \"dimension\": 2},\n  3,\n\n  {\"rows\": [7,\n 8, 0]}\n ]\n}"),
+            "map.json:9: blocks[2].rows[2]: 0 is no whole number from 1 on");
+  EXPECT_EQ(error_of(head + "  1, 1\n ],\n \"edges\": [\n  {\"from\": \"row 1\",\n   \"to\": \"row 2\",\n   \"rank\": \"high\"}]}"),
+            "map.json:10: edges[0].rank: 'high' is no rank; there are: unknown, full_row, full_column, full");
+  EXPECT_EQ(error_of(head + "  1,\n  {\"dimension\": 1,\n   \"kind\": \"sadle\"}]}").substr(0, 30), "map.json:7: blocks[1].kind: 's");
+  EXPECT_EQ(error_of("3\n4, 5\n\n0 1"), "map.json:4: [3]: 0 is no whole number from 1 on");
+  EXPECT_EQ(error_of("\n[3,\n 4,\n 0]"), "map.json:4: [2]: 0 is no whole number from 1 on");
 }
 
 }  // namespace

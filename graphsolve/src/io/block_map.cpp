@@ -8,6 +8,7 @@
 
 #include "block_pattern.hpp"
 #include "graphsolve/io/matrix_market.hpp"
+#include "json_line.hpp"
 
 namespace graphsolve::io {
 
@@ -28,13 +29,16 @@ constexpr std::array ranks{Word{"unknown", EdgeRank::unknown}, Word{"full_row", 
 /// Reads with the path of what is read, for errors.
 class Reader {
  public:
-  explicit Reader(std::string_view file) : file_(file) {}
+  Reader(std::string_view file, std::string_view text) : file_(file), text_(text) {}
 
   [[noreturn]] void fail(const std::string& where, const std::string& what) const {
-    throw FileError(file_, where.empty() ? what : where + ": " + what);
+    if (where.empty()) throw FileError(file_, what);
+    throw FileError(file_, line_of(text_, where), where + ": " + what);
   }
 
   static std::string show(const Json& value) {
+    if (value.is_array()) return "a list of " + std::to_string(value.size());
+    if (value.is_object()) return "an object";  // neither is written out: they may be nested deeper than the stack is
     const std::string text = value.is_string() ? "'" + value.get<std::string>() + "'" : value.dump();
     return text.size() > 60 ? text.substr(0, 60) + "..." : text;
   }
@@ -70,7 +74,7 @@ class Reader {
   }
 
  private:
-  std::string file_;
+  std::string_view file_, text_;
 };
 
 std::string index(const std::string& list, std::size_t i) { return list + "[" + std::to_string(i) + "]"; }
@@ -183,7 +187,7 @@ std::string as_list(std::string_view text) {
 }  // namespace
 
 BlockMap parse_block_map(std::string_view text, std::string_view name) {
-  const Reader reader(name);
+  const Reader reader(name, text);
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos) reader.fail("", "the file is empty");
   const bool json = text[first] == '{' || text[first] == '[';

@@ -17,7 +17,7 @@ struct BlockMap {
 
 /// Reads a block map: JSON of format `graphsolve-blocks`, or a plain list of block sizes (numbers, separated by blanks,
 /// commas or lines, with or without brackets). Checks the schema; whether the blocks cover a matrix is checked by
-/// make_blocks. Throws FileError that names the place: "map.json: blocks[2].kind: 'sadle' is no kind ...".
+/// make_blocks. Throws FileError that names the place: "map.json:5: blocks[2].kind: 'sadle' is no kind ...".
 BlockMap read_block_map(const std::string& path);
 /// The same from text; `name` is what errors call it.
 BlockMap parse_block_map(std::string_view text, std::string_view name = "blocks.json");
