@@ -30,8 +30,9 @@ constexpr const char* footer = R"(Examples:
   graphsolve analyze A.mtx --svg fill.svg --dot graph.dot --json report.json
 
 Nothing is factored: all figures are predictions that the factorization keeps. With all orderings, pictures and the
-attribution of fill are those of the ordering of fewest operations. --dot also writes the elimination tree, beside
-the graph: graph.dot and graph-tree.dot. How to read all this: docs/ordering_and_fill.md.
+attribution of fill are those of the ordering of fewest operations; those that fill more than 50 million blocks are left
+out. --dot also writes the elimination tree, beside the graph: graph.dot and graph-tree.dot. How to read all this:
+docs/ordering_and_fill.md.
 
 Exit code: 0 analyzed, 2 wrong input or a file that cannot be read or written.)";
 
@@ -72,6 +73,8 @@ int analyze(const Options& options) {
     if (report.graph.size() == 0) throw DescriptionError(fmt::format("{}: the scene has nothing that moves", options.source));
   }
   for (const OrderingMethod method : methods) report.add(method);
+  if (report.rows.empty())
+    throw DescriptionError(fmt::format("{}: {}; take another ordering, or merge rows into blocks", options.source, report.left_out.front()));
   report.explain();
   std::vector<FileText> files;
   if (!options.json.empty()) files.push_back({options.json, as_json(report)});

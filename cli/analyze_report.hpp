@@ -29,7 +29,9 @@ struct AnalyzeReport {
   graphsolve::BlockGraph graph = {};
   long long added_entries = 0;
   std::vector<Row> rows = {};
+  std::vector<std::string> left_out = {};  ///< a sentence each
 
+  /// An ordering with more fill than memory is good for goes to `left_out` instead.
   void add(graphsolve::OrderingMethod method);
   /// Attributes the fill of the best ordering.
   void explain();

@@ -1,5 +1,6 @@
 #include "elimination_tree.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
@@ -21,11 +22,13 @@ std::vector<int> positions(const BlockGraph& graph, const Ordering& ordering) {
   return position;
 }
 
-EliminationTree::EliminationTree(const BlockGraph& graph, const Ordering& ordering, const std::vector<int>& position)
+EliminationTree::EliminationTree(const BlockGraph& graph, const Ordering& ordering, const std::vector<int>& position,
+                                 std::int64_t most_blocks)
     : parent(graph.size(), -1), rows_below(graph.size(), 0), blocks_below(graph.size(), 0) {
   const int n = graph.size();
   std::vector<int> seen(n, -1);
-  for (int k = 0; k < n; ++k) {  // row k of the factor: from each earlier neighbour up the tree
+  std::int64_t blocks = 0;
+  for (int k = 0; k < n && blocks <= most_blocks; ++k) {  // row k of the factor: from each earlier neighbour up the tree
     const NodeId node = ordering.sequence[k];
     seen[k] = k;
     for (const auto& edge : graph.edges(node))
@@ -33,13 +36,14 @@ EliminationTree::EliminationTree(const BlockGraph& graph, const Ordering& orderi
         seen[i] = k;
         rows_below[i] += graph.dimension(node);
         ++blocks_below[i];
+        ++blocks;
         if (parent[i] < 0) parent[i] = k;
       }
   }
 }
 
-PredictedCost predict_cost(const BlockGraph& graph, const Ordering& ordering) {
-  const EliminationTree tree(graph, ordering, positions(graph, ordering));
+PredictedCost predict_cost(const BlockGraph& graph, const Ordering& ordering, std::int64_t most_blocks) {
+  const EliminationTree tree(graph, ordering, positions(graph, ordering), most_blocks);
   PredictedCost cost;
   std::int64_t ends = 0;  // of edges
   for (int k = 0; k < graph.size(); ++k) {
@@ -50,7 +54,7 @@ PredictedCost predict_cost(const BlockGraph& graph, const Ordering& ordering) {
     cost.fill_blocks += tree.blocks_below[k];
     ends += static_cast<std::int64_t>(graph.edges(node).size());
   }
-  cost.fill_blocks -= ends / 2;
+  cost.fill_blocks = std::max(cost.fill_blocks - ends / 2, std::int64_t{0});
   return cost;
 }
 

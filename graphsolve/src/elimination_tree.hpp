@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "graphsolve/block_graph.hpp"
@@ -14,14 +15,10 @@ std::vector<int> positions(const BlockGraph& graph, const Ordering& ordering);
 /// Elimination tree in pivot numbers, and per pivot what stands under it in the factor. Enough to count by; costs
 /// O(blocks of the factor) time, but memory for the nodes only.
 struct EliminationTree {
-  EliminationTree(const BlockGraph& graph, const Ordering& ordering, const std::vector<int>& position);
+  /// Stops after the node that brings the blocks off the diagonal above `most_blocks`.
+  EliminationTree(const BlockGraph& graph, const Ordering& ordering, const std::vector<int>& position,
+                  std::int64_t most_blocks = std::numeric_limits<std::int64_t>::max());
   std::vector<int> parent, rows_below, blocks_below;
 };
-
-/// What Symbolic::Counts would say.
-struct PredictedCost {
-  std::int64_t fill_blocks = 0, stored_scalars = 0, operations = 0;
-};
-PredictedCost predict_cost(const BlockGraph& graph, const Ordering& ordering);
 
 }  // namespace graphsolve

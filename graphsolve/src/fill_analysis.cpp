@@ -73,6 +73,7 @@ FillAnalysis analyze_fill(const BlockGraph& graph, const Symbolic& symbolic) {
                              .cycles = part.edges - static_cast<int>(part.nodes.size()) + 1,
                              .price = {}});
   result.causes.emplace_back();
+  result.blocks.reserve(result.counts.fill_blocks);
   for (int k = 0; k < symbolic.pivots(); ++k) price_pivot(symbolic, k, biconnected, result.blocks);
   for (FillBlock& block : result.blocks) {
     if (block.cause < 0) block.cause = order_itself;

@@ -115,6 +115,18 @@ TEST_F(MatrixCommand, LargeMatricesAreDrawnInPixelsAndTheFileStaysSmall) {
   EXPECT_LT(svg.size(), 300'000u);
 }
 
+/// Its first row goes first in natural order and fills all of the matrix: 2e8 blocks.
+TEST_F(MatrixCommand, AnOrderingThatFillsMoreThanMemoryHoldsIsLeftOut) {
+  constexpr int n = 20000;
+  std::vector<Triplet> arrow;
+  for (int i = 0; i < n; ++i) arrow.push_back({i, i, 3});
+  for (int i = 1; i < n; ++i) arrow.insert(arrow.end(), {{i, 0, 1e-3}, {0, i, 1e-3}});
+  write("arrow.mtx", n, arrow);
+  EXPECT_EQ(refused("analyze arrow.mtx --ordering natural"),
+            "graphsolve: arrow.mtx: natural: left out, it fills more than 50000000 blocks; take another ordering, or merge rows "
+            "into blocks\n");
+}
+
 TEST_F(MatrixCommand, NamesOfTheBlockMapAppearEscaped) {
   write("ring.mtx", 4, line(4, Shape::ring));
   write("map.json", R"({"format": "graphsolve-blocks", "version": 1, "blocks": [{"name": "a<\"&b", "dimension": 2}, 2]})");

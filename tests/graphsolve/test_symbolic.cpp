@@ -74,6 +74,19 @@ TEST(Symbolic, CountsOfOneDenseBlockAreThoseOfLU) {
   EXPECT_EQ(s.counts().tree_height, 1);
 }
 
+TEST(Symbolic, CostsArePredictedWithoutAndNoFurtherThanAsked) {
+  for (int seed = 1; seed <= 10; ++seed) {
+    const BlockGraph graph = families::random_with_loops(40, 20, seed);
+    const Ordering ordering = natural_ordering(graph);
+    const Symbolic::Counts counts = Symbolic(graph, ordering).counts();
+    const PredictedCost cost = predict_cost(graph, ordering), some = predict_cost(graph, ordering, counts.fill_blocks / 2);
+    EXPECT_EQ(cost.fill_blocks, counts.fill_blocks);
+    EXPECT_EQ(cost.stored_scalars, counts.stored_scalars);
+    EXPECT_EQ(cost.operations, counts.operations);
+    EXPECT_LT(some.operations, cost.operations);
+  }
+}
+
 TEST(Symbolic, TreeOrdersVouchForEverySaddleBlockAndLoopOrdersNotForAll) {
   const BlockGraph tree = families::balanced_tree(31), loop = families::loop(12);
   const Symbolic of_tree(tree, minimum_fill_ordering(tree)), of_loop(loop, minimum_fill_ordering(loop));

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -79,5 +81,14 @@ Ordering wide_ordering(const BlockGraph& graph);
 /// The user's own sequence, repaired where it breaks the rule. Throws std::invalid_argument when it is not
 /// a permutation of the nodes.
 Ordering user_ordering(const BlockGraph& graph, std::span<const NodeId> sequence);
+
+/// What Symbolic::Counts would say.
+struct PredictedCost {
+  std::int64_t fill_blocks = 0, stored_scalars = 0, operations = 0;
+};
+/// Costs O(blocks of the factor) time, but memory for the nodes only. Stops soon after most_blocks blocks off the diagonal,
+/// one triangle, and is a lower bound then. Throws std::invalid_argument when the ordering is not one of the graph.
+PredictedCost predict_cost(const BlockGraph& graph, const Ordering& ordering,
+                           std::int64_t most_blocks = std::numeric_limits<std::int64_t>::max());
 
 }  // namespace graphsolve
