@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "../no_arguments.hpp"
 #include "graphsolve/bound.hpp"
 #include "graphsolve/interior_point.hpp"
 #include "graphsolve/linear_quadratic.hpp"
@@ -126,7 +127,8 @@ void report(const char* title, const Network& network, const Flow& flow) {
 
 }  // namespace
 
-int main() try {
+int main(int count, char** words) try {
+  no_arguments(count, words);
   Network network = make_network();
   const Flow linear = solve(network);
   report("linear cost", network, linear);
@@ -134,7 +136,7 @@ int main() try {
   const Flow congested = solve(network);
   report("with congestion", network, congested);
   return linear.solved && congested.solved ? 0 : 1;
-} catch (const std::exception& error) {  // GRAPHSOLVE_SIMD holds a word that it does not know
+} catch (const std::exception& error) {  // a word in GRAPHSOLVE_SIMD or behind its name that it does not know
   std::fprintf(stderr, "network_flow: %s\n", error.what());
   return 2;
 }

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "../no_arguments.hpp"
 #include "graphsolve/bound.hpp"
 #include "graphsolve/interior_point.hpp"
 #include "graphsolve/linear_quadratic.hpp"
@@ -102,7 +103,8 @@ void report(const Membrane& m) {
 
 }  // namespace
 
-int main() try {
+int main(int count, char** words) try {
+  no_arguments(count, words);
   const Membrane coarse = solve(31);
   for (int i = 0; i < coarse.points; ++i) {
     for (int j = 0; j < coarse.points; ++j) std::putchar(coarse.touches[i * coarse.points + j] ? '#' : '.');
@@ -110,7 +112,7 @@ int main() try {
   }
   report(coarse);
   report(solve(63));
-} catch (const std::exception& error) {  // GRAPHSOLVE_SIMD holds a word that it does not know
+} catch (const std::exception& error) {  // a word in GRAPHSOLVE_SIMD or behind its name that it does not know
   std::fprintf(stderr, "obstacle: %s\n", error.what());
   return 2;
 }

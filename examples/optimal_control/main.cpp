@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "../no_arguments.hpp"
 #include "graphsolve/bound.hpp"
 #include "graphsolve/interior_point.hpp"
 #include "graphsolve/linear_quadratic.hpp"
@@ -33,7 +34,8 @@ const std::vector<double> identity{1, 0, 0, 1};
 
 }  // namespace
 
-int main() try {
+int main(int count, char** words) try {
+  no_arguments(count, words);
   BlockGraph graph;
   QuadraticCost cost;
   LinearConstraint dynamics;
@@ -89,7 +91,7 @@ int main() try {
   std::printf("inputs at their bound: %d of %d\n", at_bound, horizon);
   std::printf("largest bound violation %.1e\n", std::max(worst, 0.0));
   std::printf("%s\n", symbolic->counts().fill_blocks == 0 ? "no fill" : "fill");
-} catch (const std::exception& error) {  // GRAPHSOLVE_SIMD holds a word that it does not know
+} catch (const std::exception& error) {  // a word in GRAPHSOLVE_SIMD or behind its name that it does not know
   std::fprintf(stderr, "optimal_control: %s\n", error.what());
   return 2;
 }

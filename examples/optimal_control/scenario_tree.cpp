@@ -20,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "../no_arguments.hpp"
 #include "graphsolve/bound.hpp"
 #include "graphsolve/interior_point.hpp"
 #include "graphsolve/linear_quadratic.hpp"
@@ -141,7 +142,8 @@ double riccati_input() {
 
 }  // namespace
 
-int main() try {
+int main(int count, char** words) try {
+  no_arguments(count, words);
   const std::vector<TreeNode> tree = make_tree();
   std::vector<double> slope;
   const Solution free = solve(tree, 100.0), bounded = solve(tree, 1.0);
@@ -160,7 +162,7 @@ int main() try {
               cost);
   std::printf("any input could still be improved by %s\n", worst <= 1e-6 ? "less than 1e-6" : "more than 1e-6");
   std::printf("bounded in %d iterations\n", bounded.iterations);
-} catch (const std::exception& error) {  // GRAPHSOLVE_SIMD holds a word that it does not know
+} catch (const std::exception& error) {  // a word in GRAPHSOLVE_SIMD or behind its name that it does not know
   std::fprintf(stderr, "scenario_tree: %s\n", error.what());
   return 2;
 }

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -27,6 +30,28 @@ struct Graph {
   std::vector<typename S::Pose> guess;  ///< the file's own; empty when it does not give all of them
 };
 
+/// What is wrong with a line on which reading numbers ended.
+inline std::string about_numbers(const std::string& line, const std::string& tag) {
+  std::istringstream words(line);
+  std::string word;
+  words >> word;
+  while (words >> word) {
+    char* end = nullptr;
+    if (!std::isfinite(std::strtod(word.c_str(), &end)) || *end != 0) return "'" + word + "' is no number that can be used";
+  }
+  return "a number is missing after " + tag;
+}
+
+/// An information matrix weighs errors: none may count less than nothing. Those of files are rounded.
+template <class Matrix>
+void check_information(const Matrix& information, const std::string& edge) {
+  const auto values = Eigen::SelfAdjointEigenSolver<Matrix>(information, Eigen::EigenvaluesOnly).eigenvalues();
+  if (values.minCoeff() >= -1e-6 * values.maxCoeff()) return;
+  std::ostringstream text;
+  text << edge << " whose information matrix is indefinite (an eigenvalue is " << values.minCoeff() << ")";
+  throw std::runtime_error(text.str());
+}
+
 /// Reads the vertices and edges of one space from a .g2o file; other lines (FIX, parameters) are passed over.
 /// Throws std::runtime_error with file, line and what is wrong there.
 template <class S>
@@ -42,13 +67,14 @@ Graph<S> read_g2o(const std::string& path) {
   };
   std::vector<Named> edges;
   std::string line, tag;
+  typename S::Pose last;
   for (int count = 1; std::getline(file, line); ++count) {
     std::istringstream in(line);
     if (!(in >> tag)) continue;
     if (tag == S::vertex_tag) {
       long id = 0;
       in >> id;
-      vertices[id] = S::read(in);
+      vertices[id] = last = S::read(in);
       number[id] = 0;
     } else if (tag == S::edge_tag) {
       Named e{};
@@ -65,9 +91,13 @@ Graph<S> read_g2o(const std::string& path) {
       continue;
     }
     const std::string where = path + ", line " + std::to_string(count) + ": ";
-    if (!in) throw std::runtime_error(where + "a number is missing after " + tag);
-    if (tag == S::edge_tag && edges.back().from == edges.back().to)
-      throw std::runtime_error(where + "an edge from pose " + std::to_string(edges.back().from) + " to itself");
+    if (!in) throw std::runtime_error(where + about_numbers(line, tag));
+    if (!S::turns(tag == S::edge_tag ? edges.back().measured : last)) throw std::runtime_error(where + "a quaternion of length 0");
+    if (tag != S::edge_tag) continue;
+    const Named& e = edges.back();
+    const std::string edge = "an edge from pose " + std::to_string(e.from) + " to ";
+    if (e.from == e.to) throw std::runtime_error(where + edge + "itself");
+    check_information(e.information, where + edge + std::to_string(e.to));
   }
   if (edges.empty()) throw std::runtime_error(path + ": no line begins with " + S::edge_tag);
   Graph<S> graph;

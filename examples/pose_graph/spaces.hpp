@@ -29,6 +29,7 @@ struct Plane {
     in >> p.t.x() >> p.t.y() >> p.angle;
     return p;
   }
+  static bool turns(const Pose&) { return true; }
   static void write(std::ostream& out, const Pose& p) { out << p.t.x() << ' ' << p.t.y() << ' ' << p.angle; }
   static Pose compose(const Pose& a, const Pose& b) {
     return {a.t + Eigen::Rotation2Dd(a.angle) * b.t, a.angle + b.angle};
@@ -75,6 +76,8 @@ struct Space {
     p.q.normalize();
     return p;
   }
+  /// Is the rotation one? A quaternion of length 0 is none.
+  static bool turns(const Pose& p) { return p.q.squaredNorm() > 0.5; }
   static void write(std::ostream& out, const Pose& p) {
     out << p.t.transpose() << ' ' << p.q.x() << ' ' << p.q.y() << ' ' << p.q.z() << ' ' << p.q.w();
   }

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "../no_arguments.hpp"
 #include "graphsolve/diagnosis.hpp"
 
 using namespace graphsolve;
@@ -119,7 +120,8 @@ void compare(const char* name, double computed, double closed_form, const Networ
 
 }  // namespace
 
-int main() try {
+int main(int count, char** words) try {
+  no_arguments(count, words);
   Network t = torus(30), l = ladder(6), c = cube();
   compare("torus of 30 x 30, neighbours", t.resistance(0, 1), 899.0 / 1800.0, t);
   compare("torus of 30 x 30, others", t.resistance(437, 438), 899.0 / 1800.0, t);
@@ -132,7 +134,7 @@ int main() try {
   std::printf("without a way to ground:");
   for (const std::string& name : floating.floating_part()) std::printf(" '%s'", name.c_str());
   std::printf("\nopen potentials in the cube: %zu\n", c.floating_part().size());
-} catch (const std::exception& error) {  // GRAPHSOLVE_SIMD holds a word that it does not know
+} catch (const std::exception& error) {  // a word in GRAPHSOLVE_SIMD or behind its name that it does not know
   std::fprintf(stderr, "resistor_network: %s\n", error.what());
   return 2;
 }

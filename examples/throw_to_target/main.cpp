@@ -15,6 +15,7 @@
 #include <optional>
 #include <vector>
 
+#include "../no_arguments.hpp"
 #include "physics/gradients.hpp"
 #include "physics/scenes.hpp"
 
@@ -57,7 +58,8 @@ std::optional<Slide> slide(const Eigen::Vector2d& velocity) {
 
 }  // namespace
 
-int main() try {
+int main(int count, char** words) try {
+  no_arguments(count, words);
   const Eigen::Vector2d mark(0.4, 0.3);
   Eigen::Vector2d velocity(0.5, -0.5);
   for (int k = 0; k < 12; ++k) {
@@ -77,7 +79,7 @@ int main() try {
   }
   std::printf("not found\n");
   return 1;
-} catch (const std::exception& error) {  // GRAPHSOLVE_SIMD holds a word that it does not know
+} catch (const std::exception& error) {  // a word in GRAPHSOLVE_SIMD or behind its name that it does not know
   std::fprintf(stderr, "throw_to_target: %s\n", error.what());
   return 2;
 }

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "../no_arguments.hpp"
 #include "across.hpp"
 #include "branch.hpp"
 #include "graphsolve/bound.hpp"
@@ -79,7 +80,8 @@ double by_hand(double emf) {
 
 }  // namespace
 
-int main() try {
+int main(int count, char** words) try {
+  no_arguments(count, words);
   check_derivatives();
   double worst = 0, lost = 0;
   for (const double emf : {-9.0, -6.0, -3.0, -0.5, 0.0, 0.5, 3.0, 6.0, 9.0}) {
@@ -107,7 +109,7 @@ int main() try {
   }
   std::printf("largest difference %s, current lost at a node %s\n", worst < 1e-7 ? "< 1e-7 V" : "too large",
               lost < 1e-7 ? "< 1e-7 A" : "too large");
-} catch (const std::exception& error) {  // GRAPHSOLVE_SIMD holds a word that it does not know
+} catch (const std::exception& error) {  // a word in GRAPHSOLVE_SIMD or behind its name that it does not know
   std::fprintf(stderr, "write_a_term: %s\n", error.what());
   return 2;
 }
