@@ -74,7 +74,8 @@ int analyze(const Options& options) {
   }
   for (const OrderingMethod method : methods) report.add(method);
   if (report.rows.empty())
-    throw DescriptionError(fmt::format("{}: {}; take another ordering, or merge rows into blocks", options.source, report.left_out.front()));
+    throw DescriptionError(fmt::format("{}: {}; take another ordering, or merge rows into blocks", options.source,
+                                       report.left_out.front()));
   report.explain();
   std::vector<FileText> files;
   if (!options.json.empty()) files.push_back({options.json, as_json(report)});

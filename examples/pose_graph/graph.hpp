@@ -37,7 +37,8 @@ inline std::string about_numbers(const std::string& line, const std::string& tag
   words >> word;
   while (words >> word) {
     char* end = nullptr;
-    if (!std::isfinite(std::strtod(word.c_str(), &end)) || *end != 0) return "'" + word + "' is no number that can be used";
+    const double value = std::strtod(word.c_str(), &end);
+    if (!std::isfinite(value) || *end != 0) return "'" + word + "' is no number that can be used";
   }
   return "a number is missing after " + tag;
 }
@@ -92,7 +93,8 @@ Graph<S> read_g2o(const std::string& path) {
     }
     const std::string where = path + ", line " + std::to_string(count) + ": ";
     if (!in) throw std::runtime_error(where + about_numbers(line, tag));
-    if (!S::turns(tag == S::edge_tag ? edges.back().measured : last)) throw std::runtime_error(where + "a quaternion of length 0");
+    if (!S::turns(tag == S::edge_tag ? edges.back().measured : last))
+      throw std::runtime_error(where + "a quaternion of length 0");
     if (tag != S::edge_tag) continue;
     const Named& e = edges.back();
     const std::string edge = "an edge from pose " + std::to_string(e.from) + " to ";

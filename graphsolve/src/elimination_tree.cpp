@@ -28,7 +28,8 @@ EliminationTree::EliminationTree(const BlockGraph& graph, const Ordering& orderi
   const int n = graph.size();
   std::vector<int> seen(n, -1);
   std::int64_t blocks = 0;
-  for (int k = 0; k < n && blocks <= most_blocks; ++k) {  // row k of the factor: from each earlier neighbour up the tree
+  // Row k of the factor: from each earlier neighbour up the tree.
+  for (int k = 0; k < n && blocks <= most_blocks; ++k) {
     const NodeId node = ordering.sequence[k];
     seen[k] = k;
     for (const auto& edge : graph.edges(node))

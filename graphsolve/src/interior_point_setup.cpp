@@ -78,8 +78,9 @@ void InteriorPoint::check_point(std::size_t size) const {
   const std::size_t terms = problem_.terms().size(), ports = problem_.ports().size();
   if (terms == term_lists_.size() && ports == port_lists_.size()) return;
   throw std::logic_error("interior point: made of " + std::to_string(term_lists_.size()) + " batches of terms and " +
-                         std::to_string(port_lists_.size()) + " of ports, and the problem has " + std::to_string(terms) +
-                         " and " + std::to_string(ports) + " by now: make it after the last add");
+                         std::to_string(port_lists_.size()) + " of ports, and the problem has " +
+                         std::to_string(terms) + " and " + std::to_string(ports) +
+                         " by now: make it after the last add");
 }
 
 /// Adds a range to those from `first` on, or to the last of them.

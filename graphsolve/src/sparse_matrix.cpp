@@ -44,13 +44,14 @@ void check_columns(const SparseMatrix& matrix) {
   const auto entries = static_cast<std::int64_t>(matrix.row.size());
   if (begin.size() != static_cast<std::size_t>(matrix.columns) + 1 || begin.front() != 0 || begin.back() != entries ||
       !std::ranges::is_sorted(begin) || matrix.value.size() != matrix.row.size())
-    throw std::invalid_argument("the columns of the matrix do not fit its " + std::to_string(matrix.row.size()) + " rows and " +
-                                std::to_string(matrix.value.size()) + " values");
+    throw std::invalid_argument("the columns of the matrix do not fit its " + std::to_string(matrix.row.size()) +
+                                " rows and " + std::to_string(matrix.value.size()) + " values");
   for (int j = 0; j < matrix.columns; ++j)
     for (std::int64_t k = begin[j]; k < begin[j + 1]; ++k)
       if (matrix.row[k] < 0 || matrix.row[k] >= matrix.rows || (k > begin[j] && matrix.row[k] <= matrix.row[k - 1]))
         throw std::invalid_argument("column " + std::to_string(j + 1) + " of the matrix: row " +
-                                    std::to_string(matrix.row[k] + std::int64_t{1}) + " lies outside or is not in order");
+                                    std::to_string(matrix.row[k] + std::int64_t{1}) +
+                                    " lies outside or is not in order");
 }
 
 SparseMatrix from_triplets(int rows, int columns, std::span<const Triplet> triplets) {

@@ -188,8 +188,9 @@ TEST_F(Rollout, WrongInputIsOneSentence) {
             "graphsolve: vary 'wheel.mass': the scene has no body 'wheel'\n");
   // Bounds are tried before any copy: most copies of these would pass.
   EXPECT_EQ(refused("box_on_slope --copies 99 --steps 3 --vary friction=-1e-9:1"),
-            "graphsolve: vary 'friction': the bound -1e-09 will not do: contact 'corner 0': friction -1e-09 is not > 0; "
-            "take a small coefficient, such as 1e-6 (without any, a contact is another law, and all copies share one)\n");
+            "graphsolve: vary 'friction': the bound -1e-09 will not do: contact 'corner 0': friction -1e-09 is not > "
+            "0; take a small coefficient, such as 1e-6 (without any, a contact is another law, and all copies share "
+            "one)\n");
   EXPECT_EQ(refused("hopper --copies 99 --steps 3 --vary x.stiffness=1:1e999"),
             "graphsolve: vary 'x.stiffness=1:1e999': '1e999' is not a number\n");
   EXPECT_NE(refused("quadruped --copies 99 --steps 3 --vary 'front left hip joint.stiffness=-1e-9:1'")
@@ -201,7 +202,8 @@ TEST_F(Rollout, WrongInputIsOneSentence) {
             "graphsolve: vary 'gravity': the bound -1e-09 will not do: scene: gravity -1e-09 m/s^2 is not >= 0\n");
   EXPECT_NE(refused("disc --copies 2 --steps 3 --vary colour=1:2").find("vary 'colour': unknown key; there are: friction"),
             std::string::npos);
-  EXPECT_NE(refused("disc --copies 2000000000 --steps 3 --lanes 2147483647 --out x.jsonl").find("a batch of 2000000000 lanes needs "),
+  EXPECT_NE(refused("disc --copies 2000000000 --steps 3 --lanes 2147483647 --out x.jsonl")
+                .find("a batch of 2000000000 lanes needs "),
             std::string::npos);
   EXPECT_NE(refused("disc --copies 0 --steps 3").find("must be a whole number >= 1, not 0"), std::string::npos);
   // Shards of so many would overlap: copies times shards does not fit.

@@ -112,9 +112,11 @@ TEST(BlockMapFile, MistakesAreNamedWithTheirLine) {
   const std::string head = "{\n \"format\": \"graphsolve-blocks\",\n \"version\": 1,\n \"blocks\": [\n";
   EXPECT_EQ(error_of(head + "  {\"name\": \"a]\\\"}\", \"dimension\": 2},\n  3,\n\n  {\"rows\": [7,\n 8, 0]}\n ]\n}"),
             "map.json:9: blocks[2].rows[2]: 0 is no whole number from 1 on");
-  EXPECT_EQ(error_of(head + "  1, 1\n ],\n \"edges\": [\n  {\"from\": \"row 1\",\n   \"to\": \"row 2\",\n   \"rank\": \"high\"}]}"),
+  EXPECT_EQ(error_of(head + "  1, 1\n ],\n \"edges\": [\n  {\"from\": \"row 1\",\n   \"to\": \"row 2\",\n" +
+                     "   \"rank\": \"high\"}]}"),
             "map.json:10: edges[0].rank: 'high' is no rank; there are: unknown, full_row, full_column, full");
-  EXPECT_EQ(error_of(head + "  1,\n  {\"dimension\": 1,\n   \"kind\": \"sadle\"}]}").substr(0, 30), "map.json:7: blocks[1].kind: 's");
+  EXPECT_EQ(error_of(head + "  1,\n  {\"dimension\": 1,\n   \"kind\": \"sadle\"}]}").substr(0, 30),
+            "map.json:7: blocks[1].kind: 's");
   EXPECT_EQ(error_of("3\n4, 5\n\n0 1"), "map.json:4: [3]: 0 is no whole number from 1 on");
   EXPECT_EQ(error_of("\n[3,\n 4,\n 0]"), "map.json:4: [2]: 0 is no whole number from 1 on");
 }

@@ -80,7 +80,8 @@ TEST(LinearQuadratic, DerivativesAreThoseOfTheResiduals) {
 /// |x|^2 - 6 x_0 + 4 x_1 with x_0 <= 1 and x_1 >= -inf, x_1 <= inf.
 TEST(LinearQuadratic, AnInfiniteLimitIsNoBound) {
   using Limits = std::numeric_limits<double>;
-  for (const auto& [scale, infinity] : {std::pair{1.0, Limits::infinity()}, {100.0, Limits::infinity()}, {1.0, Limits::max()}}) {
+  for (const auto& [scale, infinity] :
+       {std::pair{1.0, Limits::infinity()}, {100.0, Limits::infinity()}, {1.0, Limits::max()}}) {
     BlockGraph graph;
     const NodeId x = graph.add_node("x", 2);
     Problem problem(graph);

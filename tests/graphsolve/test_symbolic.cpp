@@ -79,7 +79,8 @@ TEST(Symbolic, CostsArePredictedWithoutAndNoFurtherThanAsked) {
     const BlockGraph graph = families::random_with_loops(40, 20, seed);
     const Ordering ordering = natural_ordering(graph);
     const Symbolic::Counts counts = Symbolic(graph, ordering).counts();
-    const PredictedCost cost = predict_cost(graph, ordering), some = predict_cost(graph, ordering, counts.fill_blocks / 2);
+    const PredictedCost cost = predict_cost(graph, ordering);
+    const PredictedCost some = predict_cost(graph, ordering, counts.fill_blocks / 2);
     EXPECT_EQ(cost.fill_blocks, counts.fill_blocks);
     EXPECT_EQ(cost.stored_scalars, counts.stored_scalars);
     EXPECT_EQ(cost.operations, counts.operations);

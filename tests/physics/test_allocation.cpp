@@ -254,7 +254,8 @@ TEST_F(Allocation, WhatABatchSaysThatItNeedsIsALowerBound) {
       FAIL() << spec;
     } catch (const DescriptionError& error) {
       double needed = 0;
-      ASSERT_EQ(std::sscanf(error.what(), "a batch of 2000000000 lanes needs %lf GB or more", &needed), 1) << error.what();
+      ASSERT_EQ(std::sscanf(error.what(), "a batch of 2000000000 lanes needs %lf GB or more", &needed), 1)
+          << error.what();
       EXPECT_LE(needed, per_lane * 2) << spec;
       EXPECT_GE(needed, per_lane * 2 / 4) << spec;
     }

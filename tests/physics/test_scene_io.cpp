@@ -192,9 +192,12 @@ TEST(SceneIo, WhatJsonCannotSayIsRefusedBeforeAnythingIsWritten) {
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(message([&](Trajectory&) {}), "");
-  EXPECT_EQ(message([&](Trajectory& t) { t.mechanism.bodies[1].mass = nan; }), "cannot write bodies[1].mass: nan is not finite");
-  EXPECT_EQ(message([&](Trajectory& t) { t.mechanism.time_step = -INFINITY; }), "cannot write time_step: -inf is not finite");
-  EXPECT_EQ(message([&](Trajectory& t) { t.mechanism.gravity.z() = nan; }), "cannot write gravity[2]: nan is not finite");
+  EXPECT_EQ(message([&](Trajectory& t) { t.mechanism.bodies[1].mass = nan; }),
+            "cannot write bodies[1].mass: nan is not finite");
+  EXPECT_EQ(message([&](Trajectory& t) { t.mechanism.time_step = -INFINITY; }),
+            "cannot write time_step: -inf is not finite");
+  EXPECT_EQ(message([&](Trajectory& t) { t.mechanism.gravity.z() = nan; }),
+            "cannot write gravity[2]: nan is not finite");
   EXPECT_EQ(message([&](Trajectory& t) { t.steps[0].bodies[1].velocity.x() = nan; }),
             "cannot write record 4.bodies[1].velocity[0]: nan is not finite");
   EXPECT_EQ(message([&](Trajectory& t) { t.mechanism.joints[0].name = "kn\xff"; }),

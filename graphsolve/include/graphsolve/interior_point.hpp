@@ -41,9 +41,9 @@ struct Profile {
 };
 
 /// Primal-dual interior point (Mehrotra predictor-corrector) on the graph. Every connected component has a barrier, step
-/// length and end of its own; without an active port plain Newton. symbolic: of problem.graph() after every add(); what is
-/// added later makes solve, linearize and factorize_terms throw std::logic_error.
-/// Allocates in the constructor only. Laws keep their private unknowns between solves: the next solve starts warm.
+/// length and end of its own; without an active port plain Newton. symbolic: of problem.graph() after every add();
+/// what is added later makes solve, linearize and factorize_terms throw std::logic_error. Allocates in the constructor
+/// only. Laws keep their private unknowns between solves: the next solve starts warm.
 class InteriorPoint {
  public:
   InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> symbolic, InteriorPointSettings settings = {});

@@ -86,8 +86,9 @@ Ordering user_ordering(const BlockGraph& graph, std::span<const NodeId> sequence
 struct PredictedCost {
   std::int64_t fill_blocks = 0, stored_scalars = 0, operations = 0;
 };
-/// Costs O(blocks of the factor) time, but memory for the nodes only. Stops soon after most_blocks blocks off the diagonal,
-/// one triangle, and is a lower bound then. Throws std::invalid_argument when the ordering is not one of the graph.
+/// Costs O(blocks of the factor) time, but memory for the nodes only. Stops soon after most_blocks blocks off the
+/// diagonal, one triangle, and is a lower bound then. Throws std::invalid_argument when the ordering is not one of the
+/// graph.
 PredictedCost predict_cost(const BlockGraph& graph, const Ordering& ordering,
                            std::int64_t most_blocks = std::numeric_limits<std::int64_t>::max());
 

@@ -15,8 +15,8 @@
 /// Errors are DescriptionErrors that say where: "scene.json:14:9: syntax error ..." or
 /// "scene.json:14: bodies[2].mass: is a string, expected a number".
 ///
-/// Numbers are written in the fewest digits, at most 17, that read back as the same bits. What JSON cannot say, a number that
-/// is not finite or a name that is not UTF-8, is a DescriptionError before anything is written.
+/// Numbers are written in the fewest digits, at most 17, that read back as the same bits. What JSON cannot say, a
+/// number that is not finite or a name that is not UTF-8, is a DescriptionError before anything is written.
 namespace physics {
 
 /// Reads a scene or a trajectory; a plain scene gives no steps. The ending tells the spelling: .json or .toml.

@@ -31,8 +31,8 @@ const Json* unspeakable(const Json& json) {
 }
 
 /// The library writes a double in the shortest form that reads back as the same bits (at most 17 digits), always
-/// with a point or an exponent, so that -0.0 keeps its sign. What it would replace, here "null" and there another name, is
-/// an error; where() says of what.
+/// with a point or an exponent, so that -0.0 keeps its sign. What it would replace, here "null" and there another name,
+/// is an error; where() says of what.
 template <class Where>
 std::string dump(const Json& json, const Where& where) {
   if (const Json* wrong = unspeakable(json)) {
@@ -173,7 +173,10 @@ class Writer {
 template <class List, class ToJson>
 std::string lines(const char* key, const List& list, const ToJson& to_json) {
   std::string text = fmt::format(",\n  \"{}\": [", key);
-  for (std::size_t i = 0; i < list.size(); ++i) text += (i ? ",\n    " : "\n    ") + dump(to_json(list[i]), [&] { return fmt::format("{}[{}]", key, i); });
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const auto where = [&] { return fmt::format("{}[{}]", key, i); };
+    text += (i ? ",\n    " : "\n    ") + dump(to_json(list[i]), where);
+  }
   return text + (list.empty() ? "]" : "\n  ]");
 }
 
@@ -185,7 +188,8 @@ std::string open_scene(const Mechanism& mechanism) {
                       dump(to_json(mechanism.gravity), "gravity"), dump(word(mechanism.start, starts), "start"));
   Json extras = Json::object();
   add(extras, mechanism.extras);
-  for (const auto& item : extras.items()) text += fmt::format(",\n  {}: {}", dump(item.key(), "a key"), dump(item.value(), item.key().c_str()));
+  for (const auto& item : extras.items())
+    text += fmt::format(",\n  {}: {}", dump(item.key(), "a key"), dump(item.value(), item.key().c_str()));
   const Writer writer(mechanism);
   const auto to_json = [&writer](const auto& thing) { return writer.to_json(thing); };
   text += lines("bodies", mechanism.bodies, [](const Body& body) { return io::to_json(body); });
