@@ -114,8 +114,15 @@ bool InteriorPoint::unsound(int c) {
 
 /// The present phase of a component is solved.
 void InteriorPoint::end(int c) {
-  if (phase_[c] == Phase::frozen || phase_[c] == Phase::refrozen) refreeze(c);
-  else attempt_iterations_[c] = -1;
+  if (phase_[c] == Phase::frozen || phase_[c] == Phase::refrozen) {
+    refreeze(c);
+  } else if (phase_[c] == Phase::rescaled) {  // the laws' own scale has the last word
+    phase_[c] = Phase::polish;
+    scale_[c] = scale_of_laws(c);
+    start_phase(c);
+  } else {
+    attempt_iterations_[c] = -1;
+  }
 }
 
 /// Newton far from the solution: halve the last step while it made the residual larger.

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "graphsolve/interior_point.hpp"
 
@@ -11,6 +12,7 @@ namespace {
 constexpr int most_freezes = 80;
 constexpr int undamped_freezes = 8;
 constexpr int most_doublings = 20;
+constexpr double small_scale = 0.01;  ///< of the laws, over the unit of the rows: pairs cannot grow stiff enough
 
 }  // namespace
 
@@ -85,7 +87,24 @@ void InteriorPoint::start_phase(int c) {
   restarted_ = true;
 }
 
-/// Ladder: warm, cold at 1 m/s, cold at another scale, frozen couplings, cold at the size of all residuals, end.
+double InteriorPoint::scale_of_laws(int c) const {
+  double scale = 0;
+  const auto ports = problem_.ports();
+  for (std::size_t b = 0; b < ports.size(); ++b)
+    for (const int i : of_component(port_lists_[b], c).index) scale = std::max(scale, ports[b]->scale(i));
+  return scale;
+}
+
+/// Force over u where the rows are comparable with u: one over the smallest row scale.
+double InteriorPoint::unit_of_forces(int c) const {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const RowRange& rows : rows_of(c))
+    for (int i = rows.begin; i < rows.end; ++i) smallest = std::min(smallest, row_scale_[i]);
+  return 1 / smallest;
+}
+
+/// Ladder: warm, cold at 1 m/s, cold at another scale, frozen couplings, cold at the size of all residuals, cold in the
+/// unit of the rows, end.
 void InteriorPoint::next_attempt(int c) {
   const Status cause = trouble_[c];
   const auto ports = problem_.ports();
@@ -101,7 +120,10 @@ void InteriorPoint::next_attempt(int c) {
     change_[c] = 0;
     ports[b]->relax(of_component(port_lists_[b], c), 0.0, change_);
   }
-  const int most_attempts = start_residual_[c] > usual ? 5 : 4;
+  scale_[c] = scale_of_laws(c);
+  const double unit = unit_of_forces(c);
+  const bool rescale = scale_[c] < small_scale * unit;
+  const int most_attempts = (start_residual_[c] > usual ? 5 : 4) + (rescale ? 1 : 0);
   if (degree_[c] == 0 || reports_[c].attempts == most_attempts) {
     reports_[c].status = cause;
     blame(c);
@@ -115,6 +137,12 @@ void InteriorPoint::next_attempt(int c) {
   halvings_[c] = freezes_[c] = doublings_[c] = 0;
   phase_[c] = Phase::full;
   const int attempt = ++reports_[c].attempts;
+  if (rescale && attempt == most_attempts) {
+    phase_[c] = Phase::rescaled;
+    scale_[c] = unit;
+    restart_cold(c, std::max(usual, start_residual_[c]));
+    return;
+  }
   // The natural size of velocities here is what the start showed, but not less than 1. Where the data are much larger
   // than 1 (costs, prices), pairs that start small jam at their bounds.
   restart_cold(c, attempt == 3 ? 0.01 : attempt == 5 ? start_residual_[c] : usual);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <limits>
 #include <random>
 #include <string>
@@ -101,6 +102,49 @@ TEST(LinearQuadratic, AnInfiniteLimitIsNoBound) {
     EXPECT_NEAR(at[1], -2, 1e-8);
     EXPECT_NEAR(bounds.law(0).force(), 4, 1e-7);
     for (const int free : {1, 2}) EXPECT_LE(bounds.law(free).force(), 1e-15 * scale);
+  }
+}
+
+/// h/2 x^2 + c x with x >= 0; `upper` < 0: and no x at all.
+struct OneVariable {
+  QuadraticCost cost;
+  PortLawBatch<Bound, Nonnegative> bounds;
+  std::vector<double> x{0};
+  Status status;
+  ComponentReport report;
+  OneVariable(double h, double c, double scale, double upper = std::numeric_limits<double>::infinity()) {
+    BlockGraph graph;
+    const NodeId node = graph.add_node("x", 1);
+    Problem problem(graph);
+    cost.add_diagonal(node, std::vector<double>{h}, std::vector<double>{c});
+    problem.add(cost);
+    bounds.add(Bound(node, 0, Bound::Side::lower, 0), Nonnegative(scale));
+    bounds.add(Bound(node, 0, Bound::Side::upper, upper), Nonnegative(scale));
+    problem.add(bounds);
+    InteriorPoint solver(problem, std::make_shared<const Symbolic>(problem.graph(), natural_ordering(problem.graph())));
+    status = solver.solve(x);
+    report = solver.reports()[0];
+  }
+};
+
+TEST(LinearQuadratic, AScaleOfTheLawFarFromTheDiagonalCostsIterationsButNotTheSolution) {
+  for (const double h : {1e-3, 1.0, 1e6})
+    for (const double off : {1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6})
+      for (const double c : {-1000.0, -1.0, 1e-3, 1.0, 1000.0}) {
+        const OneVariable one(h, h * c, h * off);
+        ASSERT_EQ(one.status, Status::solved) << h << " " << off << " " << c;
+        EXPECT_NEAR(one.x[0], std::max(0.0, -c), 1e-6 * std::max(1.0, -c)) << h << " " << off << " " << c;
+        EXPECT_NEAR(one.bounds.law(0).force() / h, std::max(0.0, c), 1e-6 * std::max(1.0, c))
+            << h << " " << off << " " << c;
+      }
+}
+
+TEST(LinearQuadratic, WhatHasNoSolutionEndsInAnyScale) {
+  for (const double scale : {1e-6, 1.0, 1e6}) {
+    const OneVariable none(1, 1, scale, -1);
+    EXPECT_NE(none.status, Status::solved);
+    EXPECT_LE(none.report.attempts, 6);
+    EXPECT_EQ(none.x[0], 0);
   }
 }
 

@@ -25,8 +25,9 @@ struct InteriorPointSettings {
 struct ComponentReport {
   Status status = Status::solved;
   int iterations = 0;      ///< factorizations, all attempts
-  int attempts = 1;        ///< 1: warm start; 2, 3: cold starts; 4: frozen couplings first; 5: cold, at the
-                           ///< size of the residual that the start showed, where that is larger
+  int attempts = 1;        ///< 1: warm start; 2, 3: cold starts; 4: frozen couplings first; then cold, at
+                           ///< the size of the residual that the start showed, where that is larger; last in the unit
+                           ///< of the rows (one over their scale), where it is 100 times that of the laws
   int dropped_rows = 0;    ///< dependent constraint rows left out by the last factorization
   double residual = 0;     ///< natural residual at the end
   // Where an unsolved component is worst: rows of a node, or an instance of a port batch.
@@ -92,7 +93,9 @@ class InteriorPoint {
     std::vector<int> running;    ///< those of running components
     std::uint64_t version = 0;   ///< of `running`
   };
-  enum class Phase { full, frozen, refrozen, polish };  ///< refrozen: started cold at the size of the last change
+  /// refrozen: started cold at the size of the last change; rescaled: in the unit of the rows, where that of the laws
+  /// is much smaller
+  enum class Phase { full, frozen, refrozen, rescaled, polish };
   enum class With { residual_alone, matrix };
 
   void check_point(std::size_t size) const;
@@ -136,6 +139,8 @@ class InteriorPoint {
   void refreeze(int component);
   void start_phase(int component);
   void restart_cold(int component, double velocity);
+  [[nodiscard]] double scale_of_laws(int component) const;
+  [[nodiscard]] double unit_of_forces(int component) const;
   void blame(int component);
   bool factorize();
   /// Of the residual.

@@ -11,8 +11,8 @@ class Nonnegative {
  public:
   static constexpr int rows = 1;
 
-  /// scale: natural size of f over u. largest_ratio bounds f/s in the matrix, so that a stiff pair does not
-  /// erase what it is added to.
+  /// scale: natural size of f over u, as the diagonal of the matrix; one that is far off costs iterations.
+  /// largest_ratio bounds f/s in the matrix, so that a stiff pair does not erase what it is added to.
   explicit Nonnegative(double scale = 1, double largest_ratio = 1e12) : scale_(scale), largest_ratio_(largest_ratio) {}
 
   [[nodiscard]] static int degree() { return 1; }
