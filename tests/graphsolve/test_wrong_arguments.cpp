@@ -94,6 +94,12 @@ TEST(WrongArguments, ABoundWithoutALimitIsToldFromOneThatCannotBeKept) {
   EXPECT_NO_THROW(Bound({0}, 0, Bound::Side::upper, infinity));
 }
 
+TEST(WrongArguments, AScaleOfALawIsANumberAboveZero) {
+  for (const double scale : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()})
+    EXPECT_THROW((void)Nonnegative(scale), std::invalid_argument);
+  for (const double ratio : {0.0, -1.0, std::nan("")}) EXPECT_THROW((void)Nonnegative(1, ratio), std::invalid_argument);
+}
+
 /// x minimises |x|^2, with bounds x_0 >= 1 on the first batch and none at first on the second.
 struct TwoBatches {
   TwoNodes two;

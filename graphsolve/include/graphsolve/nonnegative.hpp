@@ -1,6 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
 
 #include "graphsolve/pair.hpp"
 
@@ -13,7 +16,12 @@ class Nonnegative {
 
   /// scale: natural size of f over u, as the diagonal of the matrix; one that is far off costs iterations.
   /// largest_ratio bounds f/s in the matrix, so that a stiff pair does not erase what it is added to.
-  explicit Nonnegative(double scale = 1, double largest_ratio = 1e12) : scale_(scale), largest_ratio_(largest_ratio) {}
+  /// Throws std::invalid_argument unless both are > 0 and the scale is finite.
+  explicit Nonnegative(double scale = 1, double largest_ratio = 1e12) : scale_(scale), largest_ratio_(largest_ratio) {
+    if (!(scale > 0 && std::isfinite(scale) && largest_ratio > 0))
+      throw std::invalid_argument("nonnegative: scale " + std::to_string(scale) + " and largest ratio " +
+                                  std::to_string(largest_ratio) + " are not both > 0 and the scale finite");
+  }
 
   [[nodiscard]] static int degree() { return 1; }
   [[nodiscard]] double scale() const { return scale_; }
