@@ -7,10 +7,11 @@ work="$1"
 shift
 rm -rf -- "$work"
 mkdir -p -- "$work"
-# Not optimised: what counts is that it builds. Only the solver is compiled, the simulator is configured. And without the
-# packages that bring more orderings, which must be said.
+# Not optimised, for one instruction set: what counts is that it builds. Only the solver is compiled, the simulator is
+# configured. And without the packages that bring more orderings, which must be said.
 cmake -S "$source_dir/tests/consumer/add_subdirectory" -B "$work/build" -G Ninja -DREPOSITORY="$source_dir" \
-  -DCMAKE_BUILD_TYPE=None -DCMAKE_DISABLE_FIND_PACKAGE_METIS=ON -DCMAKE_DISABLE_FIND_PACKAGE_SuiteSparse=ON \
+  -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS=-DHWY_COMPILE_ONLY_STATIC \
+  -DCMAKE_DISABLE_FIND_PACKAGE_METIS=ON -DCMAKE_DISABLE_FIND_PACKAGE_SuiteSparse=ON \
   -DCMAKE_DISABLE_FIND_PACKAGE_Boost=ON "$@" >"$work/configure.log" 2>&1 || { cat "$work/configure.log" >&2; exit 1; }
 for package in METIS SuiteSparse Boost; do
   grep -q "without these orderings.*$package" "$work/configure.log" ||
