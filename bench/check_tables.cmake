@@ -1,5 +1,6 @@
 # cmake -D BENCH=... -D PYTHON=... -D TABLES=... -D JSON=... -P check_tables.cmake
-# The smallest problem through the benchmark and the tables, with a solver of each sort: every table that has figures is there.
+# The smallest problem through the benchmark and the tables, with a solver of each sort: every table that has figures is
+# there.
 execute_process(COMMAND ${BENCH}
   "--benchmark_filter=^(speed|batch of 8)/quadruped/(graphsolve ld(u|lt)( packs)?|CHOLMOD simplicial|KLU|Eigen SimplicialLDLT)/"
   --benchmark_out=${JSON} --benchmark_out_format=json
