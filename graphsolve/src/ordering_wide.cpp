@@ -6,6 +6,7 @@
 
 #include "graphsolve/ordering.hpp"
 #include "ordering_held.hpp"
+#include "ordering_segments.hpp"
 #include "quotient_graph.hpp"
 
 namespace graphsolve {
@@ -21,7 +22,7 @@ constexpr int last = std::numeric_limits<int>::max();  ///< in place of the rows
 class Wide {
  public:
   explicit Wide(const BlockGraph& graph)
-      : graph_(graph), rule_(graph), rest_(graph), components_(connected_components(graph)),
+      : graph_(graph), rule_(graph), rest_(graph), segments_(graph.size()), components_(connected_components(graph)),
         costless_(components_.count, 0), blocked_(graph.size(), 0), seen_(graph.size(), 0) {
     for (int i = 0; i < graph.size(); ++i) {
       if (graph.kind({i}) == NodeKind::semidefinite) costless_[components_.of_node[i]] = 1;
@@ -39,6 +40,7 @@ class Wide {
         continue;
       }
       find_candidates();
+      cut_paths();
       pick_round();
       for (const Pick& pick : round_) {
         result.sequence.push_back({pick.node});
@@ -105,15 +107,25 @@ class Wide {
       if (w.rows < last && (w.narrow || w.rows <= bound)) candidates_.push_back(w);
     // Of wasteful nodes one at a time: it may give the others a way out.
     if (candidates_.empty()) candidates_.push_back(*std::min_element(waiting_.begin(), waiting_.end()));
-    std::sort(candidates_.begin(), candidates_.end());  // along a path greedy picking then takes every second node
+  }
+
+  void cut_paths() {
+    narrow_.clear();
+    for (const Waiting& w : candidates_)
+      if (w.narrow) narrow_.push_back(w.node);
+    segments_.find(narrow_, rest_);
+    if (std::ranges::all_of(candidates_, [&](const Waiting& w) { return segments_.waits(w.node); })) segments_.give_up();
   }
 
   void pick_round() {
     ++stamp_;
     round_.clear();
+    // Along a path greedy picking then takes every second node.
+    const auto key = [&](const Waiting& w) { return std::pair(w.rows, segments_.rank(w.node)); };
+    std::sort(candidates_.begin(), candidates_.end(), [&](const Waiting& a, const Waiting& b) { return key(a) < key(b); });
     for (const Waiting& w : candidates_) {
       const int node = w.node;
-      if (blocked_[node] == stamp_) continue;
+      if (blocked_[node] == stamp_ || segments_.waits(node)) continue;
       rest_.neighbours(node, graph_.size(), around_);
       for (const int i : around_) blocked_[i] = stamp_;
       round_.push_back({graph_.kind({node}), graph_.dimension({node}), rows(around_), node});
@@ -123,6 +135,7 @@ class Wide {
   }
 
   void eliminate(int node) {
+    segments_.eliminate(node);
     const auto clique = rest_.eliminate(node);
     touched_.insert(touched_.end(), clique.begin(), clique.end());
     freed_.clear();
@@ -157,6 +170,7 @@ class Wide {
   const BlockGraph& graph_;
   Eligibility rule_;
   QuotientGraph rest_;
+  Segments segments_;
   Components components_;
   std::vector<char> costless_;  ///< per component: are there semidefinite nodes?
   std::vector<Waiting> waiting_;  ///< all nodes that may come next
@@ -165,7 +179,7 @@ class Wide {
   std::vector<int> blocked_;  ///< last round in which a neighbour was picked
   std::vector<int> seen_;     ///< last round that touched it
   int stamp_ = 0;
-  std::vector<int> touched_, around_;
+  std::vector<int> touched_, around_, narrow_;
   std::vector<NodeId> freed_;
 };
 

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
+#include <random>
+#include <string>
 #include <vector>
 
 #include "graphsolve/ordering.hpp"
@@ -34,7 +37,7 @@ TEST(WideOrdering, TreesLoopsAndLaddersAreLowToo) {
 }
 
 TEST(WideOrdering, OfAChainAllRegularNodesComeFirstWithEqualShapesSideBySide) {
-  const int n = 64;
+  const int n = 16;
   const BlockGraph graph = families::chain(n);
   const Ordering ordering = wide_ordering(graph);
   for (int k = 0; k < n; ++k) EXPECT_EQ(graph.kind(ordering.sequence[k]), NodeKind::regular) << k;
@@ -43,7 +46,73 @@ TEST(WideOrdering, OfAChainAllRegularNodesComeFirstWithEqualShapesSideBySide) {
   for (int k = 1; k < n; ++k) changes += symbolic.pivot(k).coupled_rows != symbolic.pivot(k - 1).coupled_rows;
   EXPECT_EQ(changes, 1);  // the two ends, then all others
   // Every second link of those that are left, from round to round: half of them couple to two later ones.
-  for (int k = n; k < n + 31; ++k) EXPECT_EQ(symbolic.parent(k) >= n + 31, true) << k;
+  for (int k = n; k < n + 7; ++k) EXPECT_EQ(symbolic.parent(k) >= n + 7, true) << k;
+}
+
+/// Share of the couplings of pivots in packs of eight that lie in the pivot's own lane.
+double side_by_side(const BlockGraph& graph, const Ordering& ordering) {
+  const Symbolic symbolic(graph, ordering);
+  int all = 0, beside = 0;
+  for (int k = 0; k < symbolic.pivots(); ++k) {
+    const Symbolic::Pivot& p = symbolic.pivot(k);
+    if (p.stride != 8) continue;
+    for (const int later : symbolic.coupled(k)) {
+      const Symbolic::Pivot& other = symbolic.pivot(later);
+      ++all;
+      beside += other.stride == 8 && other.diagonal % 8 == p.diagonal % 8;
+    }
+  }
+  return static_cast<double>(beside) / all;
+}
+
+/// Regular nodes alone, numbered in any order along the path; closed: a ring.
+BlockGraph path(std::vector<int> number, bool closed) {
+  BlockGraph graph;
+  const int n = static_cast<int>(number.size());
+  for (int i = 0; i < n; ++i) graph.add_node("n" + std::to_string(i), 3);
+  for (int i = closed ? 0 : 1; i < n; ++i) graph.add_edge({number[i]}, {number[(i + n - 1) % n]});
+  return graph;
+}
+
+TEST(WideOrdering, EightEqualSegmentsOfALongPathLieInTheLanes) {
+  for (const int n : {100, 101, 103, 107, 150, 200, 333}) {
+    EXPECT_GT(side_by_side(families::chain(n), wide_ordering(families::chain(n))), 0.77) << n;
+    EXPECT_GT(side_by_side(families::loop(n), wide_ordering(families::loop(n))), 0.77) << n;
+    EXPECT_GT(side_by_side(families::anchored_chain(n), wide_ordering(families::anchored_chain(n))), 0.77) << n;
+  }
+}
+
+TEST(WideOrdering, SegmentsDoNotDependOnHowNodesAreNumbered) {
+  std::mt19937 random(1);
+  for (const bool closed : {false, true})
+    for (const int n : {180, 222, 300}) {
+      std::vector<int> number(n);
+      std::iota(number.begin(), number.end(), 0);
+      for (int trial = 0; trial < 5; ++trial, std::shuffle(number.begin(), number.end(), random)) {
+        const BlockGraph graph = path(number, closed);
+        const Ordering ordering = wide_ordering(graph);
+        EXPECT_GT(side_by_side(graph, ordering), 0.75) << n << closed << trial;
+        EXPECT_LE(counts(graph, ordering).tree_height, 5 + std::ceil(std::log2(n))) << n << closed << trial;
+      }
+    }
+}
+
+/// Paths between hubs, and one that leads nowhere.
+TEST(WideOrdering, PathsThatHangOnOthersAreCutToo) {
+  BlockGraph graph;
+  const NodeId a = graph.add_node("a", 3), b = graph.add_node("b", 3);
+  graph.add_edge(a, b);
+  const auto hang = [&](NodeId from, int n) {
+    for (int i = 0; i < n; ++i) {
+      const NodeId next = graph.add_node("p" + std::to_string(graph.size()), 3);
+      graph.add_edge(from, next);
+      from = next;
+    }
+    return from;
+  };
+  for (int i = 0; i < 3; ++i) graph.add_edge(hang(a, 220), b);
+  hang(b, 220);
+  EXPECT_GT(side_by_side(graph, wide_ordering(graph)), 0.75);
 }
 
 TEST(WideOrdering, OneRoundOfAStarTakesAllLeaves) {
