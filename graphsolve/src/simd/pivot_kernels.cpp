@@ -80,9 +80,16 @@ template <int L>
 HWY_INLINE void subtract_lane(const PackJob& job, int l, const Target& target, const double* t, int rows, int columns,
                               bool lower) {
   double* to = job.numbers.values + target.place;
-  const int stride = target.stride;
+  const std::ptrdiff_t stride = target.stride;
+  t += l;
+  if (!lower) {
+    const double* end = t + rows * columns * L;
+#pragma GCC unroll 4
+    for (; t != end; t += L, to += stride) *to -= *t;
+    return;
+  }
   for (int c = 0; c < columns; ++c)
-    for (int r = lower ? c : 0; r < rows; ++r) to[(c * rows + r) * stride] -= t[(c * rows + r) * L + l];
+    for (int r = c; r < rows; ++r) to[(c * rows + r) * stride] -= t[(c * rows + r) * L];
 }
 
 /// In a pack whose pivots share couplings all T are kept until they are complete: a block that several lanes change loses
@@ -197,20 +204,40 @@ HWY_INLINE unsigned factor_saddle(const PackJob& job, PackOf<L>* lu, int d) {
   return other;
 }
 
+/// D = L U in place and W = D^-1 U. Returns the lanes that have to be factored otherwise; if there are any, nothing was
+/// written.
+template <int D, int L>
+HWY_INLINE unsigned factor_and_solve(const PackJob& job, double* diagonal, double* upper, int d) {
+  const Shape& shape = job.program.shape(job.pack);
+  PackOf<L> lu[D ? D * D : largest_dimension * largest_dimension];
+  load_diagonal<D>(diagonal, lu, d);
+  if constexpr (D == 6) {
+    // Two variables in one node that nothing couples yet: a good third of the work less, with the same bits.
+    Halves<D, L> halves;
+    if (!shape.saddle && halves_apart<D>(lu, halves)) {
+      const unsigned other = (factor<D / 2>(halves.first, d / 2) | factor<D / 2>(halves.second, d / 2)) & job.active;
+      if (other != 0) return other;
+      store_halves(halves, diagonal);
+      solve_all_halves(halves, upper, shape.coupled_rows);
+      return 0;
+    }
+  }
+  const unsigned other = (shape.saddle ? factor_saddle<D>(job, lu, d) : factor<D>(lu, d)) & job.active;
+  if (other != 0) return other;
+  store_diagonal<D>(lu, diagonal, d);
+  solve_all<D>(lu, upper, d, shape.coupled_rows);
+  return 0;
+}
+
 template <int D, int L>
 unsigned eliminate_pack(const PackJob& job) {
   const Shape& shape = job.program.shape(job.pack);
   const int d = D ? D : shape.dimension, m = shape.couplings();
   const Workplace<L> place(job, job.pack.place, job.numbers.scratch, shape.lower_size());
-  PackOf<L> lu[D ? D * D : largest_dimension * largest_dimension];
-  load_diagonal<D>(place.blocks(), lu, d);
-  const unsigned other = (shape.saddle ? factor_saddle<D>(job, lu, d) : factor<D>(lu, d)) & job.active;
-  if (other != 0) return other;
-  store_diagonal<D>(lu, place.blocks(), d);
-  const double* lower = place.blocks() + d * d * L;
   const Workplace<L> right(job, job.pack.upper, job.numbers.scratch + shape.lower_size() * L, shape.upper_size());
   double* upper = right.blocks();
-  solve_all<D>(lu, upper, d, shape.coupled_rows);
+  if (const unsigned other = factor_and_solve<D, L>(job, place.blocks(), upper, d); other != 0) return other;
+  const double* lower = place.blocks() + d * d * L;
   for (int i = 0, row = 0; i < m; row += shape.coupled[i++]) {
     const double* w = upper;
     for (int j = 0, column = 0; j < m; column += shape.coupled[j++]) {
