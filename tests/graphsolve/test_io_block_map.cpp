@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "graphsolve/io/block_map.hpp"
+#include "graphsolve/io/json_lines.hpp"
 #include "support/graph_families.hpp"
 
 namespace {
@@ -106,6 +107,8 @@ TEST(BlockMapFile, DeepNestingIsAMistakeLikeOthers) {
   const std::string deep = std::string(300'000, '[') + std::string(300'000, ']');
   EXPECT_EQ(error_of(deep), "map.json:1: [0]: a list of 1 is no object");
   EXPECT_EQ(error_of(blocks(deep)), "map.json:1: blocks[0]: a list of 1 is no object");
+  EXPECT_EQ(error_of(R"({"format": "graphsolve-blocks", "version": 1, "edges": )" + deep + ",\n\"blocks\": [0]}"),
+            "map.json:2: blocks[0]: 0 is no whole number from 1 on");
 }
 
 TEST(BlockMapFile, MistakesAreNamedWithTheirLine) {
@@ -119,6 +122,28 @@ TEST(BlockMapFile, MistakesAreNamedWithTheirLine) {
             "map.json:7: blocks[1].kind: 's");
   EXPECT_EQ(error_of("3\n4, 5\n\n0 1"), "map.json:4: [3]: 0 is no whole number from 1 on");
   EXPECT_EQ(error_of("\n[3,\n 4,\n 0]"), "map.json:4: [2]: 0 is no whole number from 1 on");
+  EXPECT_EQ(error_of("\r\n\r\n3\r\n ,0"), "map.json:4: [1]: 0 is no whole number from 1 on");
+  EXPECT_EQ(error_of(head + "  {\"dimension\"\n:\n0\n}]}"),
+            "map.json:7: blocks[0].dimension: 0 is no whole number from 1 on");
+  EXPECT_EQ(error_of(head + "  1,\n  {\"dimensi\\u006fn\":\n   0}]}"),
+            "map.json:7: blocks[1].dimension: 0 is no whole number from 1 on");
+  EXPECT_EQ(error_of(head + "  {\"dimension\":\n   1,\n   \"dimension\": 0}]}"),
+            "map.json:6: blocks[0].dimension: 0 is no whole number from 1 on");
+}
+
+TEST(LineOfJson, TheLastValueOnTheWayCounts) {
+  const std::string_view text = "\n{\n\"a.b\": 1,\n\"a\": [3,\n [4],\n {\"b\": {}}],\n\"b\": {\"b\":\n 5}\n}";
+  const auto line = [&](std::vector<PathStep> path) { return line_of(text, path); };
+  EXPECT_EQ(line({}), 2);
+  EXPECT_EQ(line({{"a.b"}}), 3);
+  EXPECT_EQ(line({{"", 1}, {"", 1}, {"", 0}}), 5);
+  EXPECT_EQ(line({{"a"}, {"", 2}, {"b"}}), 6);
+  EXPECT_EQ(line({{"b"}, {"b"}}), 8);
+  EXPECT_EQ(line({{"c"}}), 2);
+  EXPECT_EQ(line({{"a"}, {"", 3}}), 4);
+  EXPECT_EQ(line({{"a"}, {"", 2}, {"c"}}), 6);
+  EXPECT_EQ(line({{"a.b"}, {"", 0}}), 3);         // a number holds nothing: not what the list after it holds
+  EXPECT_EQ(line({{"a"}, {"", 1}, {"", 1}}), 5);  // nor does a list that is over
 }
 
 }  // namespace

@@ -98,6 +98,9 @@ TEST(SceneErrors, UnknownKeysAreNamedWithTheKnownOnes) {
             "s.json:3: bodies[0].shape.height: unknown key 'height' (known here: type, radius)");
   EXPECT_EQ(json_error(with_body(R"(, "weight": 1)")).substr(0, 48),
             "s.json:3: bodies[0].weight: unknown key 'weight'");
+  EXPECT_EQ(json_error(scene("\"bodies\": [],\n\"bodies[0]\":\n 1")).substr(0, 46),
+            "s.json:4: bodies[0]: unknown key 'bodies[0]' (");
+  EXPECT_EQ(json_error(scene("\"bodies\": [],\n\"\":\n 1")).substr(0, 31), "s.json:4: [4]: unknown key '' (");
 }
 
 TEST(SceneErrors, WrongKindsOfValuesAreNamed) {

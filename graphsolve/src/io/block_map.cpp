@@ -5,10 +5,11 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <unordered_map>
+#include <utility>
 
 #include "block_pattern.hpp"
+#include "graphsolve/io/json_lines.hpp"
 #include "graphsolve/io/matrix_market.hpp"
-#include "json_line.hpp"
 
 namespace graphsolve::io {
 
@@ -26,6 +27,19 @@ constexpr std::array kinds{Word{"regular", NodeKind::regular}, Word{"semidefinit
 constexpr std::array ranks{Word{"unknown", EdgeRank::unknown}, Word{"full_row", EdgeRank::full_row},
                            Word{"full_column", EdgeRank::full_column}, Word{"full", EdgeRank::full}};
 
+/// "blocks[2].kind" as steps: no key of a block map holds a dot or a bracket.
+std::vector<PathStep> steps(std::string_view path) {
+  constexpr std::string_view marks = ".[]";
+  std::vector<PathStep> steps;
+  for (std::size_t at = 0; (at = path.find_first_not_of(marks, at)) != path.npos;) {
+    const std::string word(path.substr(at, path.find_first_of(marks, at) - at));
+    if (at > 0 && path[at - 1] == '[') steps.push_back({"", std::stoul(word)});
+    else steps.push_back({word});
+    at += word.size();
+  }
+  return steps;
+}
+
 /// Reads with the path of what is read, for errors.
 class Reader {
  public:
@@ -33,7 +47,7 @@ class Reader {
 
   [[noreturn]] void fail(const std::string& where, const std::string& what) const {
     if (where.empty()) throw FileError(file_, what);
-    throw FileError(file_, line_of(text_, where), where + ": " + what);
+    throw FileError(file_, line_of(text_, steps(where)), where + ": " + what);
   }
 
   static std::string show(const Json& value) {
@@ -171,14 +185,15 @@ BlockMap read_object(const Reader& reader, const Json& json) {
   return map;
 }
 
-/// "3 4 2" or "3, 4,\n2" as a JSON list.
+/// "3 4 2" or "3, 4,\n2" as a JSON list, line by line.
 std::string as_list(std::string_view text) {
   std::string list = "[";
+  std::string_view separator;
   bool open = false;  // inside a word
   for (const char c : text) {
     const bool blank = c == ',' || c == ' ' || c == '\n' || c == '\t' || c == '\r';
-    if (!blank && !open && list.size() > 1) list += ',';
-    if (!blank) list += c;
+    if (!blank && !open) list += std::exchange(separator, ",");
+    if (!blank || c == '\n') list += c;
     open = !blank;
   }
   return list + "]";
@@ -187,12 +202,13 @@ std::string as_list(std::string_view text) {
 }  // namespace
 
 BlockMap parse_block_map(std::string_view text, std::string_view name) {
-  const Reader reader(name, text);
   const std::size_t first = text.find_first_not_of(" \t\r\n");
-  if (first == std::string_view::npos) reader.fail("", "the file is empty");
+  if (first == std::string_view::npos) throw FileError(name, "the file is empty");
   const bool json = text[first] == '{' || text[first] == '[';
+  const std::string list = json ? "" : as_list(text);
+  const Reader reader(name, json ? text : list);
   try {
-    const Json value = Json::parse(json ? std::string(text) : as_list(text));
+    const Json value = Json::parse(json ? text : list);
     return value.is_array() ? read_sizes(reader, value, "") : read_object(reader, value);
   } catch (const nlohmann::json::parse_error& error) {
     if (!json) reader.fail("", "this is neither JSON nor a list of block sizes");

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "graphsolve/io/json_lines.hpp"
 
 /// A parsed file before its schema is looked at. TOML becomes the same kind of tree as JSON, so there is one reader.
 namespace physics::io {
@@ -15,7 +18,7 @@ using Json = nlohmann::ordered_json;
 struct Document {
   Json root;
   /// Line of a node of `root` in the file, from 1. Only errors ask, so finding it may cost another parse.
-  std::function<int(const Json& root, const Json& node)> line_of;
+  std::function<std::int64_t(const Json& root, const Json& node)> line_of;
 };
 
 /// Throw DescriptionError "file:line:column: ..." on wrong syntax or a key given twice. The text must outlive the
@@ -23,11 +26,7 @@ struct Document {
 Document parse_json(std::string_view text, std::string_view file);
 Document parse_toml(std::string_view text, std::string_view file);
 
-/// A step from a node to one below it.
-struct PathStep {
-  std::string key;  ///< empty: by index
-  std::size_t index = 0;
-};
+using graphsolve::io::PathStep;
 /// Way from the root to a node, found by the node's address.
 std::vector<PathStep> path_to(const Json& root, const Json& node);
 /// "bodies[2].mass"; empty for the root.

@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
-#include <iterator>
 
 #include "io/document.hpp"
 #include "physics/mechanism.hpp"
@@ -13,40 +11,11 @@ namespace {
 
 constexpr std::size_t deepest = 64;  ///< levels of nesting; what comes later recurses
 
-/// Feeds the parser and counts lines on the way. The parser reads one character past a number, so `line` is that
-/// of the last character that was not space.
-struct Position {
-  int line = 1, next_line = 1;
-};
-
-class CountingIterator {
- public:
-  using iterator_category = std::input_iterator_tag;
-  using value_type = char;
-  using difference_type = std::ptrdiff_t;
-  using pointer = const char*;
-  using reference = const char&;
-
-  CountingIterator(const char* at, Position* position) : at_(at), position_(position) {}
-  reference operator*() const { return *at_; }
-  CountingIterator& operator++() {
-    if (*at_ == '\n') ++position_->next_line;
-    if (!std::isspace(static_cast<unsigned char>(*at_))) position_->line = position_->next_line;
-    ++at_;
-    return *this;
-  }
-  friend bool operator==(const CountingIterator& a, const CountingIterator& b) { return a.at_ == b.at_; }
-
- private:
-  const char* at_;
-  Position* position_;
-};
-
 /// Receives the parser's events, in the shape that nlohmann::json prescribes. It builds the tree like the
 /// library's own receiver, but refuses a key given twice, which the library lets pass.
 class Builder {
  public:
-  Builder(const Position& position, std::string_view text, std::string_view file)
+  Builder(const graphsolve::io::LinePosition& position, std::string_view text, std::string_view file)
       : position_(position), text_(text), file_(file) {}
 
   bool null() { return leaf(nullptr); }
@@ -109,68 +78,21 @@ class Builder {
     return true;
   }
 
-  const Position& position_;
+  const graphsolve::io::LinePosition& position_;
   std::string_view text_, file_;
   std::vector<Json*> open_;  ///< stays valid: a parent does not grow while a child is open
   std::string key_;
 };
 
-/// Counts values in the order of the file until the wanted one begins.
-class LineFinder {
- public:
-  LineFinder(const Position& position, std::size_t wanted) : position_(position), wanted_(wanted) {}
-  bool null() { return value(); }
-  bool boolean(bool) { return value(); }
-  bool number_integer(Json::number_integer_t) { return value(); }
-  bool number_unsigned(Json::number_unsigned_t) { return value(); }
-  bool number_float(Json::number_float_t, const std::string&) { return value(); }
-  bool string(std::string&) { return value(); }
-  bool binary(Json::binary_t&) { return false; }
-  bool start_object(std::size_t) { return value(); }
-  bool start_array(std::size_t) { return value(); }
-  bool end_object() { return true; }
-  bool end_array() { return true; }
-  bool key(std::string&) { return true; }
-  bool parse_error(std::size_t, const std::string&, const Json::exception&) { return false; }
-
-  int line = 1;
-
- private:
-  bool value() {
-    line = position_.line;
-    return count_++ < wanted_;  // false ends the parse
-  }
-  const Position& position_;
-  std::size_t wanted_, count_ = 0;
-};
-
-/// Values before `node` in the order of the file. Returns whether it was found.
-bool count_before(const Json& at, const Json& node, std::size_t& count) {
-  if (&at == &node) return true;
-  ++count;
-  if (!at.is_structured()) return false;
-  return std::any_of(at.begin(), at.end(), [&](const Json& child) { return count_before(child, node, count); });
-}
-
-template <class Receiver>
-bool parse(std::string_view text, Position& position, Receiver& receiver) {
-  const CountingIterator first(text.data(), &position), last(text.data() + text.size(), &position);
-  return Json::sax_parse(first, last, &receiver);
-}
-
 }  // namespace
 
 Document parse_json(std::string_view text, std::string_view file) {
-  Position position;
+  graphsolve::io::LinePosition position;
   Builder builder(position, text, file);
-  parse(text, position, builder);
+  const graphsolve::io::LineCounter first(text.data(), &position), last(text.data() + text.size(), &position);
+  Json::sax_parse(first, last, &builder);
   const auto line_of = [text](const Json& root, const Json& node) {
-    std::size_t before = 0;
-    count_before(root, node, before);
-    Position start;
-    LineFinder finder(start, before);
-    parse(text, start, finder);
-    return finder.line;
+    return graphsolve::io::line_of(text, path_to(root, node));
   };
   return {std::move(builder.root), line_of};
 }

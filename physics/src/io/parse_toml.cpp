@@ -53,7 +53,7 @@ Document parse_toml(std::string_view text, std::string_view file) {
       if (!next) break;
       at = next;
     }
-    return std::max(1, static_cast<int>(at->source().begin.line));
+    return std::max<std::int64_t>(1, at->source().begin.line);
   };
   return {convert(*table), line_of};
 }
