@@ -203,6 +203,8 @@ TEST(SceneIo, WhatJsonCannotSayIsRefusedBeforeAnythingIsWritten) {
   EXPECT_EQ(message([&](Trajectory& t) { t.mechanism.joints[0].name = "kn\xff"; }),
             "cannot write joints[0].name: \"kn\\ufffd\" is not UTF-8");
   EXPECT_EQ(message([&](Trajectory& t) { t.mechanism.name = "\xc3"; }), "cannot write name: \"\\ufffd\" is not UTF-8");
+  EXPECT_EQ(message([&](Trajectory& t) { t.mechanism.bodies[0].extras = {{"x_\xff", "1"}}; }),
+            "cannot write a key: \"x_\\ufffd\" is not UTF-8");
   EXPECT_EQ(message([&](Trajectory& t) { t.mechanism.joints[1].child = {7}; }),
             "cannot write body 7: the scene has 2, counted from 0");
 }

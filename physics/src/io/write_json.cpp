@@ -11,6 +11,8 @@ namespace physics::io {
 
 namespace {
 
+/// By trying: the error that the whole document gives names a byte, and whose it is would have to be tried all the same.
+/// Text is in scenes; the record of a step holds one word.
 bool is_utf8(const Json& text) {
   try {
     (void)text.dump();
@@ -59,6 +61,7 @@ Json to_json(const Mat3& inertia) {
 
 void add(Json& object, const Extras& extras) {
   for (const auto& [key, value] : extras) {
+    (void)dump(key, "a key");  // what is said of values does not look at keys
     object[key] = Json::parse(value, nullptr, false);
     if (object[key].is_discarded()) throw DescriptionError(fmt::format("extra '{}': {} is not JSON", key, value));
   }
