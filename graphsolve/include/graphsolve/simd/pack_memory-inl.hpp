@@ -13,33 +13,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace graphsolve::simd::HWY_NAMESPACE {
 
-/// Lanes h W .. h W + W - 1 of a pack of eight.
-template <int W>
-HWY_INLINE PackOf<W> part_of(const Pack& a, int h) {
-  using P = PackOf<W>;
-  if constexpr (W == lanes) {
-    return a;
-  } else if constexpr (Pack::width <= W) {
-    P r;
-    for (int i = 0; i < P::parts; ++i) r.part[i] = a.part[h * P::parts + i];
-    return r;
-  }
-#if HWY_TARGET != HWY_SCALAR
-  else if constexpr (Pack::width == 2 * W) {
-    P r;
-    const auto& part = a.part[h / 2];
-    r.part[0] = h % 2 == 0 ? hn::LowerHalf(typename P::Tag(), part) : hn::UpperHalf(typename P::Tag(), part);
-    return r;
-  }
-#endif
-  else {
-    HWY_ALIGN double all[lanes];
-    store(a, all);
-    return load<W>(all + h * W);
-  }
-}
-
-/// What becomes of what stands in a block: it is added to, or (of blocks that were claimed, Wiring::claim) replaced.
+/// What becomes of what stands in a block: it is added to, or (of blocks that were claimed, Wiring::claim) replaced; then
+/// the sign is 1.
 enum class Put { add, assign };
 
 /// put_entries where W lanes at a time lie side by side.
@@ -49,27 +24,30 @@ HWY_INLINE void put_runs(const Pack* from, int count, Entry&& entry, double* val
   using P = PackOf<W>;
   constexpr unsigned all = (1u << W) - 1;
   const P factor(sign);
-  const auto changed = [&](const double* at, const P& a) HWY_ATTR {
-    if constexpr (Way == Put::add) return multiply_add(factor, a, load<W>(at));
-    else return factor * a;
-  };
   for (int h = 0; h < lanes / W; ++h) {
     const unsigned some = active >> (h * W) & all;
     int stride = 0;
     const std::int64_t place = to.run(h * W, stride);
     if (some == 0 || place < 0) continue;
     double* begin = values + place;
+    const double* given = reinterpret_cast<const double*>(from) + h * W;  // packs of eight are eight doubles
+    const auto changed = [&](int i, const double* at) HWY_ATTR {
+      const P a = load<W>(given + i * lanes);
+      if constexpr (Way == Put::add) return multiply_add(factor, a, load<W>(at));
+      else return a;
+    };
     if (some == all) {
+#pragma GCC unroll 4
       for (int i = 0; i < count; ++i) {
         double* at = begin + entry(i) * stride;
-        store(changed(at, part_of<W>(from[i], h)), at);
+        store(changed(i, at), at);
       }
       continue;
     }
     const MaskOf<W> mask = lanes_of<W>(some);
     for (int i = 0; i < count; ++i) {
       double* at = begin + entry(i) * stride;
-      store(select(mask, changed(at, part_of<W>(from[i], h)), load<W>(at)), at);
+      store(select(mask, changed(i, at), load<W>(at)), at);
     }
   }
 }
@@ -86,10 +64,12 @@ HWY_INLINE void put_entries(const Pack* from, int count, Entry&& entry, double* 
     if (!(active >> l & 1u)) continue;
     double* at = values + to.place(l);
     const int stride = to.stride(l);
-    const double* lane = reinterpret_cast<const double*>(from) + l;  // packs of eight are eight doubles
+    const double* lane = reinterpret_cast<const double*>(from) + l;
+#pragma GCC unroll 4
     for (int i = 0; i < count; ++i) {
       double& value = at[entry(i) * stride];
-      value = (Way == Put::add ? value : 0.0) + sign * lane[i * lanes];
+      if constexpr (Way == Put::add) value += sign * lane[i * lanes];
+      else value = lane[i * lanes];
     }
   }
 }
@@ -102,7 +82,7 @@ HWY_NOINLINE void put_blocks(const Pack* from, int count, double* values, const 
     for (int l = 0; l < lanes; ++l) at[l] = values + to.place(l);
     active &= to.present();
     if constexpr (Way == Put::add) return add_transposed(from, count, at, active, sign);
-    else return each_row(from, count, at, active, StoreTimes{sign});
+    else return each_row(from, count, at, active, Store());
   }
   put_entries<Way>(from, count, [](int i) HWY_ATTR { return i; }, values, to, active, sign);
 }

@@ -101,15 +101,6 @@ struct AddTimes {
     hn::StoreU(hn::MulAdd(hn::Set(tag, factor), a, hn::LoadU(tag, to)), tag, to);
   }
 };
-struct StoreTimes {
-  double factor;
-  template <class V>
-  HWY_INLINE void operator()(V a, double* to) const {
-    constexpr hn::DFromV<V> tag;
-    hn::StoreU(hn::Mul(hn::Set(tag, factor), a), tag, to);
-  }
-};
-
 /// `width` consecutive doubles of L places.
 template <int L>
 HWY_INLINE void load_transposed_block(const double* const* from, int begin, PackOf<L>* to) {
