@@ -107,9 +107,16 @@ HWY_INLINE unsigned factor_definite(PackOf<L>* a, const PackOf<L>* reference, co
   return ~bits(sound);
 }
 
-/// X (d x C) := L^-1 X.
-template <int D, int C, int L>
-HWY_INLINE void solve_lower(const PackOf<L>* a, PackOf<L>* t, int d_) {
+/// A factored block that is read where it lies: whoever solves for one column takes every number once.
+template <int L>
+struct Stored {
+  const double* numbers;
+  HWY_INLINE PackOf<L> operator[](int i) const { return load<L>(numbers + i * L); }
+};
+
+/// X (d x C) := L^-1 X. a, here and below: packs in an array, or Stored.
+template <int D, int C, int L, class A>
+HWY_INLINE void solve_lower(const A& a, PackOf<L>* t, int d_) {
   const int d = D ? D : d_;
 #pragma GCC unroll 6
   for (int p = 0; p < d; ++p)
@@ -119,8 +126,8 @@ HWY_INLINE void solve_lower(const PackOf<L>* a, PackOf<L>* t, int d_) {
 }
 
 /// X (d x C) := U^-1 X.
-template <int D, int C, int L>
-HWY_INLINE void solve_upper(const PackOf<L>* a, PackOf<L>* t, int d_) {
+template <int D, int C, int L, class A>
+HWY_INLINE void solve_upper(const A& a, PackOf<L>* t, int d_) {
   const int d = D ? D : d_;
 #pragma GCC unroll 6
   for (int p = d - 1; p >= 0; --p) {
@@ -132,28 +139,32 @@ HWY_INLINE void solve_upper(const PackOf<L>* a, PackOf<L>* t, int d_) {
 }
 
 /// X (d x C) := (LU)^-1 X.
-template <int D, int C, int L>
-HWY_INLINE void solve_columns(const PackOf<L>* a, PackOf<L>* t, int d) {
+template <int D, int C, int L, class A>
+HWY_INLINE void solve_columns(const A& a, PackOf<L>* t, int d) {
   solve_lower<D, C>(a, t, d);
   solve_upper<D, C>(a, t, d);
 }
 
 /// X (d) := U^-T X.
-template <int D, int L>
-HWY_INLINE void solve_upper_transposed(const PackOf<L>* a, PackOf<L>* x, int d_) {
+template <int D, int L, class A>
+HWY_INLINE void solve_upper_transposed(const A& a, PackOf<L>* x, int d_) {
   const int d = D ? D : d_;
+#pragma GCC unroll 6
   for (int p = 0; p < d; ++p) {
+#pragma GCC unroll 6
     for (int i = 0; i < p; ++i) x[p] = negative_multiply_add(a[p * d + i], x[i], x[p]);
     x[p] *= a[p * d + p];
   }
 }
 
-/// X (d) := L^-T X.
-template <int D, int L>
-HWY_INLINE void solve_lower_transposed(const PackOf<L>* a, PackOf<L>* x, int d_) {
+/// X (d) := L^-T X. What is known last comes last.
+template <int D, int L, class A>
+HWY_INLINE void solve_lower_transposed(const A& a, PackOf<L>* x, int d_) {
   const int d = D ? D : d_;
+#pragma GCC unroll 6
   for (int p = d - 1; p >= 0; --p)
-    for (int i = p + 1; i < d; ++i) x[p] = negative_multiply_add(a[p * d + i], x[i], x[p]);
+#pragma GCC unroll 6
+    for (int i = d - 1; i > p; --i) x[p] = negative_multiply_add(a[p * d + i], x[i], x[p]);
 }
 
 /// C columns of W in memory := (LU)^-1 W.
@@ -180,16 +191,17 @@ HWY_INLINE void solve_all(const PackOf<L>* lu, double* w, int d, int columns) {
 template <int D, int C, int L>
 HWY_INLINE void halve_rows(const PackOf<L>* ldl, double* panel, double* w, int rows, int d_) {
   const int d = D ? D : d_;
+  const std::ptrdiff_t next = static_cast<std::ptrdiff_t>(rows) * L;  // column
   PackOf<L> t[(D ? D : largest_dimension) * C];
 #pragma GCC unroll 6
   for (int p = 0; p < d; ++p)
-    for (int c = 0; c < C; ++c) t[c * d + p] = load<L>(panel + (p * rows + c) * L);
+    for (int c = 0; c < C; ++c) t[c * d + p] = load<L>(panel + p * next + c * L);
   solve_lower<D, C>(ldl, t, d);
 #pragma GCC unroll 6
   for (int p = 0; p < d; ++p)
     for (int c = 0; c < C; ++c) {
       store(t[c * d + p], w + (c * d + p) * L);
-      store(t[c * d + p] * ldl[p * d + p], panel + (p * rows + c) * L);
+      store(t[c * d + p] * ldl[p * d + p], panel + p * next + c * L);
     }
 }
 
@@ -208,13 +220,15 @@ HWY_INLINE void product(const double* l, const double* w, int rows, int d_, int 
   PackOf<L> column[(D ? D : largest_dimension) * C];
 #pragma GCC unroll 12
   for (int i = 0; i < d * C; ++i) column[i] = load<L>(w + i * L);
-  for (int r = first; r < rows; ++r) {
+  const std::ptrdiff_t next = static_cast<std::ptrdiff_t>(rows) * L;  // column
+  l += first * L;
+  for (int r = first; r < rows; ++r, l += L) {
     PackOf<L> sum[C];
-    const PackOf<L> left = load<L>(l + r * L);
+    const PackOf<L> left = load<L>(l);
     for (int c = 0; c < C; ++c) sum[c] = left * column[c * d];
 #pragma GCC unroll 6
     for (int p = 1; p < d; ++p) {
-      const PackOf<L> factor = load<L>(l + (p * rows + r) * L);
+      const PackOf<L> factor = load<L>(l + p * next);
       for (int c = 0; c < C; ++c) sum[c] = multiply_add(factor, column[c * d + p], sum[c]);
     }
     for (int c = 0; c < C; ++c) f(from + c * rows + r, sum[c]);

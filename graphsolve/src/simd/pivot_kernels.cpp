@@ -112,17 +112,20 @@ void subtract_all(const PackJob& job, bool symmetric) {
   }
 }
 
-/// What the products do to one block.
+/// What the products do to one block. Values, not references: stores of vectors may be anything's for the compiler, which
+/// would load strides again after each.
 template <int L>
 struct Taker {
-  const PackJob& job;
-  const Target& target;
-  double* to = job.numbers.values + target.place;
-  bool whole = job.active == all_lanes<L>;
-  MaskOf<L> mask = lanes_of<L>(job.active);
+  double* to;
+  std::ptrdiff_t stride;
+  bool whole;
+  MaskOf<L> mask;
 
+  HWY_INLINE Taker(const PackJob& job, const Target& target)
+      : to(job.numbers.values + target.place), stride(target.stride), whole(job.active == all_lanes<L>),
+        mask(lanes_of<L>(job.active)) {}
   HWY_INLINE void operator()(int i, const PackOf<L>& lost) const {
-    double* at = to + i * target.stride;
+    double* at = to + i * stride;
     const PackOf<L> before = load<L>(at), after = before - lost;
     store(whole ? after : select(mask, after, before), at);
   }
@@ -152,7 +155,7 @@ HWY_INLINE void update_block(const PackJob& job, const Between& at, const double
     next += rows + 1;
   };
   if (target.place >= 0) {
-    const Taker<L> take{job, target};
+    const Taker<L> take(job, target);
     if (!watch) return products(take);
     products([&](int k, const PackOf<L>& lost) HWY_ATTR {
       note(k, lost);

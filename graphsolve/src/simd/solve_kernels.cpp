@@ -12,17 +12,17 @@ HWY_BEFORE_NAMESPACE();
 namespace graphsolve::simd::HWY_NAMESPACE {
 namespace {
 
-/// The rows of a pivot's coupling in a vector in lanes.
+/// The rows of a pivot's coupling in a vector in lanes. Values, not references, as in Taker (pivot_kernels.cpp).
 template <int L>
 class Coupled {
  public:
   HWY_INLINE Coupled(const PackSolve& job, int coupling)
-      : target_(job.program.row_targets(job.pack)[coupling]), lane_(job.program.scattered() + ~target_.place), x_(job.x),
-        active_(job.active) {}
+      : Coupled(job, job.program.row_targets(job.pack)[coupling]) {}
 
   HWY_INLINE void load(int rows, PackOf<L>* to) const {
-    if (target_.place >= 0) {
-      for (int r = 0; r < rows; ++r) to[r] = simd::HWY_NAMESPACE::load<L>(x_ + target_.place + r * target_.stride);
+    if (place_ >= 0) {
+      const double* at = x_ + place_;
+      for (int r = 0; r < rows; ++r, at += stride_) to[r] = simd::HWY_NAMESPACE::load<L>(at);
       return;
     }
     for (int r = 0; r < rows; ++r)
@@ -30,29 +30,34 @@ class Coupled {
   }
   /// The lanes do not share rows.
   HWY_INLINE void subtract(const PackOf<L>* t, int rows) const {
-    if (target_.place < 0) return subtract_by_lane(t, rows);
+    if (place_ < 0) return subtract_by_lane(t, rows);
     const bool whole = active_ == all_lanes<L>;
     const MaskOf<L> mask = lanes_of<L>(active_);
-    for (int r = 0; r < rows; ++r) {
-      double* at = x_ + target_.place + r * target_.stride;
+    double* at = x_ + place_;
+    for (int r = 0; r < rows; ++r, at += stride_) {
       const PackOf<L> before = simd::HWY_NAMESPACE::load<L>(at), after = before - t[r];
       store(whole ? after : select(mask, after, before), at);
     }
   }
   HWY_INLINE void subtract_lane(int l, const PackOf<L>* t, int rows) const {
     double* at = x_ + lane_[l].place;
+    const std::ptrdiff_t stride = lane_[l].stride;
     const double* lost = reinterpret_cast<const double*>(t) + l;
-    for (int r = 0; r < rows; ++r) at[r * lane_[l].stride] -= lost[r * L];
+    for (int r = 0; r < rows; ++r, at += stride, lost += L) *at -= *lost;
   }
 
  private:
+  HWY_INLINE Coupled(const PackSolve& job, const Target& target)
+      : place_(target.place), stride_(target.stride), lane_(job.program.scattered() + ~target.place), x_(job.x),
+        active_(job.active) {}
   HWY_INLINE void subtract_by_lane(const PackOf<L>* t, int rows) const {
     for (int l = 0; l < L; ++l)
       if (active_ >> l & 1u) subtract_lane(l, t, rows);
   }
 
-  const Target& target_;
-  const Target* lane_;
+  std::int64_t place_;
+  std::ptrdiff_t stride_;
+  const Target* lane_;  ///< where they do not lie side by side
   double* x_;
   unsigned active_;
 };
@@ -73,7 +78,8 @@ HWY_INLINE void subtract_coupled(const PackSolve& job, const Shape& shape, const
 
 template <int L>
 HWY_INLINE void load_own(const PackSolve& job, int d, PackOf<L>* x) {
-  for (int p = 0; p < d; ++p) x[p] = load<L>(job.x + job.pack.lane_rows + p * L);
+  const double* from = job.x + job.pack.lane_rows;
+  for (int p = 0; p < d; ++p) x[p] = load<L>(from + p * L);
 }
 template <int L>
 HWY_INLINE void store_own(const PackSolve& job, int d, const PackOf<L>* x) {
@@ -106,26 +112,23 @@ void forward(const PackSolve& job) {
   const Shape& shape = job.program.shape(job.pack);
   const int d = D ? D : shape.dimension;
   const double* diagonal = job.factor + job.pack.place;
-  PackOf<L> lu[D ? D * D : largest_dimension * largest_dimension], x[D ? D : largest_dimension], t[largest_front];
+  const Stored<L> lu{diagonal};
+  PackOf<L> x[D ? D : largest_dimension], t[largest_front];
   load_own<L>(job, d, x);
-  if (job.form == Form::ldlt) {
-    load_lower<D>(diagonal, lu, d);
-    solve_lower<D, 1>(lu, x, d);
-  } else {
-    load_diagonal<D>(diagonal, lu, d);
-    solve_columns<D, 1>(lu, x, d);
-  }
+  if (job.form == Form::ldlt) solve_lower<D, 1>(lu, x, d);
+  else solve_columns<D, 1>(lu, x, d);
   store_own<L>(job, d, x);
   const double* lower = diagonal + d * d * L;
   PackOf<L>* sum = t;
   for (int i = 0; i < shape.couplings(); ++i) {
-    const int rows = shape.coupled[i];
-    for (int r = 0; r < rows; ++r, ++sum) {
-      *sum = load<L>(lower + r * L) * x[0];
+    const std::ptrdiff_t rows = shape.coupled[i], next = rows * L;
+    const double* row = lower;
+    for (int r = 0; r < rows; ++r, ++sum, row += L) {
+      *sum = load<L>(row) * x[0];
 #pragma GCC unroll 6
-      for (int p = 1; p < d; ++p) *sum = multiply_add(load<L>(lower + (p * rows + r) * L), x[p], *sum);
+      for (int p = 1; p < d; ++p) *sum = multiply_add(load<L>(row + p * next), x[p], *sum);
     }
-    lower += rows * d * L;
+    lower += next * d;
   }
   subtract_coupled<L>(job, shape, t);
 }
@@ -168,23 +171,22 @@ void backward_transposed(const PackSolve& job) {
   const Shape& shape = job.program.shape(job.pack);
   const int d = D ? D : shape.dimension;
   const double* diagonal = job.factor + job.pack.place;
-  PackOf<L> lu[D ? D * D : largest_dimension * largest_dimension], x[D ? D : largest_dimension], coupled[largest_dimension];
+  const Stored<L> lu{diagonal};
+  PackOf<L> x[D ? D : largest_dimension], coupled[largest_dimension];
   const bool ldlt = job.form == Form::ldlt;
   load_own<L>(job, d, x);
-  if (ldlt) {
-    load_lower<D>(diagonal, lu, d);
+  if (ldlt)
     for (int p = 0; p < d; ++p) x[p] *= lu[p * (d + 1)];
-  } else {
-    load_diagonal<D>(diagonal, lu, d);
-  }
   const double* lower = diagonal + d * d * L;
   for (int i = 0; i < shape.couplings(); ++i) {
     const int rows = shape.coupled[i];
+    const std::ptrdiff_t next = static_cast<std::ptrdiff_t>(rows) * L;
     Coupled<L>(job, i).load(rows, coupled);
-    for (int r = 0; r < rows; ++r)
+    const double* row = lower;
+    for (int r = 0; r < rows; ++r, row += L)
 #pragma GCC unroll 6
-      for (int p = 0; p < d; ++p) x[p] = negative_multiply_add(load<L>(lower + (p * rows + r) * L), coupled[r], x[p]);
-    lower += rows * d * L;
+      for (int p = 0; p < d; ++p) x[p] = negative_multiply_add(load<L>(row + p * next), coupled[r], x[p]);
+    lower += next * d;
   }
   if (!ldlt) solve_upper_transposed<D>(lu, x, d);
   solve_lower_transposed<D>(lu, x, d);
