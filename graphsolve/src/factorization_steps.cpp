@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "factorization_active.hpp"
-#include "operations.hpp"
 #include "simd/pivot_kernels.hpp"
 
 /// Elimination along the program: up to eight equal pivots at a time.
@@ -143,8 +142,7 @@ void Factorization::measure_growth(const simd::PivotPack& pack, unsigned active)
 void Factorization::count_pack(const simd::PivotPack& pack, unsigned active, Count count) {
   const Symbolic& s = *symbolic_;
   const simd::Shape& shape = s.program().shape(pack);
-  const std::int64_t d = shape.dimension, m = shape.coupled_rows;
-  const std::int64_t operations = symmetric() ? ldlt_pivot_operations(d, m) : lu_pivot_operations(d, m);
+  const std::int64_t operations = symmetric() ? shape.symmetric_operations : shape.operations;
   const auto add = [&](Outcome& outcome, int pivots) {
     outcome.operations += operations * pivots;
     outcome.pivots += pivots;
@@ -153,6 +151,8 @@ void Factorization::count_pack(const simd::PivotPack& pack, unsigned active, Cou
     (negative ? outcome.inertia.negative : outcome.inertia.positive) += shape.dimension * pivots;
   };
   if (count == Count::together) return add(outcomes_[0], std::popcount(active));
+  // A component by itself owns every lane: finding it by pivot, node and group was most of the time here.
+  if (active_.size() == 1) return add(outcomes_[active_.front()], std::popcount(active));
   const int first = s.component(s.node(pack.pivot[0]));
   const auto& group = s.program().groups()[s.program().group_of(first)];
   if (group.copies == 1) return add(outcomes_[first], std::popcount(active));

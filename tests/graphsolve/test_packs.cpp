@@ -152,6 +152,35 @@ TEST(Packs, ComponentDoesNotDependOnThoseFactoredWithIt) {
   EXPECT_EQ(together, run({0, 1, 2, 3, 4, 5, 6, 7}, true));
 }
 
+/// One fills its lanes by itself, two go one after the other, eight have a lane each.
+TEST(Packs, ComponentCountsWhatIsPredictedOfItInAnyCompany) {
+  for (const int n : {1, 2, 8}) {
+    const BlockGraph graph = copies(n);
+    const Eigen::MatrixXd dominant = families::dominant_matrix(graph, 5), matrix = dominant + dominant.transpose();
+    const auto symbolic = symbolic_of(graph);
+    ASSERT_EQ(symbolic->components(), n);
+    const auto& counts = symbolic->counts();
+    std::vector<int> all(n);
+    std::iota(all.begin(), all.end(), 0);
+    for (const auto kind : {FactorizationKind::ldu, FactorizationKind::cholesky})
+      for (const std::vector<int>& components : {all, std::vector{n - 1}}) {
+        SCOPED_TRACE(std::to_string(components.size()) + " of " + std::to_string(n));
+        Factorization f(symbolic, kind);
+        families::load(matrix, graph, *symbolic, f.values());
+        const auto outcomes = f.factorize(components);
+        for (const int c : components) {
+          ASSERT_TRUE(outcomes[c].ok());
+          EXPECT_EQ(outcomes[c].operations * n,
+                    kind == FactorizationKind::ldu ? counts.operations : counts.symmetric_operations);
+          EXPECT_EQ(outcomes[c].pivots * n, symbolic->pivots());
+          if (kind == FactorizationKind::cholesky) {
+            EXPECT_EQ(outcomes[c].inertia, (Inertia{graph.rows() / n, 0, 0}));
+          }
+        }
+      }
+  }
+}
+
 TEST(Packs, ComponentFactoredAgainLeavesTheOthersUsable) {
   const BlockGraph graph = copies(8);
   const auto symbolic = symbolic_of(graph);

@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "operations.hpp"
 #include "simd/bundles.hpp"
 
 namespace graphsolve::simd {
@@ -90,7 +91,10 @@ void Program::find_shapes(const Symbolic& s) {
     const auto [found, is_new] = number.try_emplace(key, static_cast<int>(shapes_.size()));
     shape_of_[k] = found->second;
     if (!is_new) continue;
-    Shape shape{p.dimension, p.coupled_rows, p.saddle, p.may_depend, {}, {}};
+    Shape shape{.dimension = p.dimension, .coupled_rows = p.coupled_rows, .saddle = p.saddle,
+                .may_depend = p.may_depend, .coupled = {}, .coupled_may = {},
+                .operations = lu_pivot_operations(p.dimension, p.coupled_rows),
+                .symmetric_operations = ldlt_pivot_operations(p.dimension, p.coupled_rows)};
     for (const int later : s.coupled(k)) {
       shape.coupled.push_back(s.dimension(later));
       shape.coupled_may.push_back(s.may_depend(later) ? 1 : 0);

@@ -27,6 +27,8 @@ struct Shape {
   bool may_depend;
   std::vector<int> coupled;       ///< dimensions of the coupled blocks
   std::vector<char> coupled_may;  ///< may their rows depend?
+  std::int64_t operations;            ///< to eliminate one of its pivots, of LDU
+  std::int64_t symmetric_operations;  ///< of LDL^T or Cholesky
   [[nodiscard]] int couplings() const { return static_cast<int>(coupled.size()); }
   /// Scalars of the factor: D, L, and U.
   [[nodiscard]] int size() const { return lower_size() + upper_size(); }
