@@ -158,11 +158,13 @@ void Contacts::activate(graphsolve::InteriorPoint& solver) {
 }
 
 int Contacts::put_back(int lane) {
-  int count = 0;
+  int count = 0, body = -1;
+  NextPose pose;  // of that body: its contacts mostly follow each other
   each_entry(lane, [&](Entry& entry) {
     if (entry.active) return;
     visit(entry, [&](auto&& port, auto&& law) {
-      if (!(port.distance(bodies_.pose_next(port.body())) < broken_through)) return;
+      if (port.body() != body) pose = bodies_.pose_next(body = port.body());
+      if (!(port.distance(pose) < broken_through)) return;
       entry.active = true;
       if constexpr (std::decay_t<decltype(port)>::rows == 3) law.clear();
       else law.set_force(0);
