@@ -20,6 +20,7 @@ ROWS = [
     ("step/disc c=100", "us_ref", "disc c=100, us/step", 10, 6, False),
     ("step/pendulum n=100", "us_ref", "pendulum n=100, us/step", 15, 7, False),
     ("step/quadruped", "us_ref", "quadruped walking, us/step", 30, 12, False),
+    ("step/tree n=1023", "ns_body_it_ref", "balanced tree n=1023, ns per link and iteration", 400, 200, False),
     ("scaling/snake", "slope", "log-log slope in n", 1.10, 1.05, False),
     ("scaling/disc", "slope", "log-log slope in c", 1.10, 1.05, False),
     ("box", "env_steps_per_s_ref", "batch of boxes, env-steps/s", 1e6, 2.2e6, True),
