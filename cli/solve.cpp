@@ -22,6 +22,7 @@ namespace {
 
 struct Options {
   std::string matrix, right, blocks, ordering = "minimum-fill", factorization = "auto", out;
+  bool accept_singular = false;
 };
 
 constexpr const char* footer = R"(Examples:
@@ -33,6 +34,9 @@ With 'auto' a symmetric matrix of positive diagonal is tried by cholesky, then l
 ldlt, then ldu; the rest by ldu. What leaves a normwise backward error above 1e-12 is followed by the next, at last by
 the robust chain (reordering, proximal shift, threshold pivoting); every attempt is reported. A pattern without values
 gets seeded ones with a dominant diagonal.
+
+A singular matrix is named as such, with the blocks in question, also where this right-hand side has solutions;
+--accept-singular takes one of them.
 
 Exit code: 0 solved, 1 the matrix is singular or no attempt was good enough (the blocks in question are named),
 2 wrong input or a file that cannot be read or written.)";
@@ -63,7 +67,7 @@ std::string scientific(double value) { return std::isfinite(value) ? fmt::format
 
 std::string note_of(const SolveResult& result, const Attempt& attempt) {
   const bool last = &attempt == &result.attempts.back();
-  if (attempt.trouble.empty()) return last && !result.solved ? "singular" : "good";
+  if (attempt.trouble.empty()) return last && result.singular ? "singular" : "good";
   return last ? "failed" : "next";
 }
 
@@ -106,10 +110,15 @@ int solve(const Options& options) {
     for (const double x : result.x) error = std::max(error, std::abs(x - 1));
     text += fmt::format("largest |x - 1|: {}\n", scientific(error));
   }
-  if (!result.solved) {
-    fmt::print("{}", text);
+  const auto complain = [&] {
     fmt::print(stderr, "graphsolve: {}: the matrix is singular, or too near to it\n", options.matrix);
     for (const std::string& sentence : result.diagnosis) fmt::print(stderr, "graphsolve: {}\n", sentence);
+  };
+  if (!result.good || (result.singular && !options.accept_singular)) {
+    fmt::print("{}", text);
+    complain();
+    if (result.good)
+      fmt::print(stderr, "graphsolve: the right-hand side has solutions all the same; --accept-singular takes one\n");
     return step_failed;
   }
   std::vector<FileText> files;
@@ -117,6 +126,7 @@ int solve(const Options& options) {
     files.push_back({options.out, io::matrix_market(result.x, source.file.matrix.rows, "x of A x = b, A = " + options.matrix)});
   write_and_print(files, text);
   if (!options.out.empty()) fmt::print("written: {}\n", options.out);
+  if (result.singular) complain();
   return all_solved;
 }
 
@@ -134,6 +144,7 @@ Command add_solve(CLI::App& program) {
   add("--ordering", options->ordering, "NAME", "minimum-fill, best, amd, ... (see 'graphsolve analyze')")->capture_default_str();
   add("--factorization", options->factorization, "KIND", "auto, ldu, ldlt or cholesky")->capture_default_str();
   add("--out", options->out, "FILE", "The solution, a Matrix Market file; written when solved")->check(file_name());
+  command->add_flag("--accept-singular", options->accept_singular, "Of a singular system that has solutions, take one");
   command->footer(footer);
   return [options] { return solve(*options); };
 }

@@ -64,30 +64,34 @@ void judge(const Run& run, Attempt& attempt) {
     attempt.trouble = fmt::format("backward error {:.1e} after refinement", attempt.error.normwise);
 }
 
-/// A matrix whose rows were boosted or left out is singular when it shortens some vector to rounding; otherwise its
-/// pivots only came in an unlucky order. Rows left out count as dependent in any case.
-bool is_singular(const Diagnosis& diagnosis, const Factorization::Outcome& outcome) {
-  const double rounding = 4e-16 * diagnosis.rows * diagnosis.largest_singular;
-  return outcome.dropped_rows > 0 || !(diagnosis.smallest_singular > rounding);
-}
+/// Rows and columns by these have largest entries near 1, so that units do not matter.
+struct Scales {
+  std::vector<double> row, column;
+};
 
-/// Smallest singular value of the matrix after rows and columns were scaled to largest entries near 1, so that units do
-/// not matter: an upper bound by inverse iteration with the factors. Pivots that only rounding left positive show here.
-double smallest_scaled_singular(const SparseMatrix& a, const BlockStructure& blocks, const Factorization& factor) {
-  std::vector<double> row(a.rows, 1.0), column(a.rows, 1.0), v(a.rows), scratch(a.rows);
+Scales scales_of(const SparseMatrix& a) {
+  Scales s{std::vector<double>(a.rows, 1.0), std::vector<double>(a.rows, 1.0)};
   for (int pass = 0; pass < 5; ++pass) {
     std::vector<double> in_row(a.rows, 0.0), in_column(a.rows, 0.0);
     for (int j = 0; j < a.columns; ++j)
       for (std::int64_t k = a.begin[j]; k < a.begin[j + 1]; ++k) {
-        const double size = row[a.row[k]] * std::abs(a.value[k]) * column[j];
+        const double size = s.row[a.row[k]] * std::abs(a.value[k]) * s.column[j];
         in_row[a.row[k]] = std::max(in_row[a.row[k]], size);
         in_column[j] = std::max(in_column[j], size);
       }
     for (int i = 0; i < a.rows; ++i) {
-      if (in_row[i] > 0) row[i] /= std::sqrt(in_row[i]);
-      if (in_column[i] > 0) column[i] /= std::sqrt(in_column[i]);
+      if (in_row[i] > 0) s.row[i] /= std::sqrt(in_row[i]);
+      if (in_column[i] > 0) s.column[i] /= std::sqrt(in_column[i]);
     }
   }
+  return s;
+}
+
+/// Smallest singular value of the scaled matrix: an upper bound by inverse iteration with the factors. Pivots that only
+/// rounding left positive show here.
+double smallest_scaled_singular(const Scales& scales, const BlockStructure& blocks, const Factorization& factor) {
+  const std::size_t rows = scales.row.size();
+  std::vector<double> v(rows), scratch(rows);
   const auto normalize = [&] {
     double squared = 0;
     for (const double x : v) squared += x * x;
@@ -95,21 +99,45 @@ double smallest_scaled_singular(const SparseMatrix& a, const BlockStructure& blo
     return std::sqrt(squared);
   };
   const auto divide = [&](const std::vector<double>& by) {
-    for (int i = 0; i < a.rows; ++i) v[i] /= by[i];
+    for (std::size_t i = 0; i < rows; ++i) v[i] /= by[i];
   };
-  for (int i = 0; i < a.rows; ++i) v[i] = 1 + 0.5 * std::sin(2.3 * i);
+  for (std::size_t i = 0; i < rows; ++i) v[i] = 1 + 0.5 * std::sin(2.3 * static_cast<double>(i));
   double lengthened = 0;
   for (int sweep = 0; sweep < 2; ++sweep)
     for (const bool transposed : {true, false}) {
       normalize();
-      divide(transposed ? column : row);
+      divide(transposed ? scales.column : scales.row);
       blocks.to_graph(v, scratch);
       transposed ? factor.solve_transposed(scratch) : factor.solve(scratch);
       blocks.to_matrix(scratch, v);
-      divide(transposed ? row : column);
+      divide(transposed ? scales.row : scales.column);
       lengthened = normalize();
     }
   return 1 / lengthened;
+}
+
+/// Factors with boosted pivots are those of another matrix and say little: does the scaled one shorten some vector to
+/// rounding? By the diagnosis, which asks the matrix itself.
+bool is_singular_when_scaled(const Run& run, const Scales& scales, FactorizationKind kind) {
+  const BlockGraph& graph = run.source.blocks.graph;
+  const SparseMatrix& a = run.source.file.matrix;
+  std::vector<double> value(a.value);
+  for (int j = 0; j < a.columns; ++j)
+    for (std::int64_t k = a.begin[j]; k < a.begin[j + 1]; ++k) value[k] *= scales.row[a.row[k]] * scales.column[j];
+  Factorization scaled(std::make_shared<const Symbolic>(graph, minimum_fill_ordering(graph)), kind);
+  scaled.keep_matrix(true);
+  EntryMap(a, run.source.blocks, scaled.symbolic()).write(value, scaled.values());
+  const Factorization::Outcome outcome = scaled.factorize();
+  const Diagnosis diagnosis = diagnose(graph, scaled, outcome);
+  return !(diagnosis.smallest_singular > 4e-16 * diagnosis.rows * diagnosis.largest_singular);
+}
+
+/// Rows that were left out count as dependent in any case.
+bool is_singular(const Run& run, const Factorization& factor, const Factorization::Outcome& outcome) {
+  if (outcome.dropped_rows > 0) return true;
+  const Scales scales = scales_of(run.source.file.matrix);
+  if (outcome.boosts > 0) return is_singular_when_scaled(run, scales, factor.kind());
+  return !(smallest_scaled_singular(scales, run.source.blocks, factor) > 5e-16 * std::sqrt(static_cast<double>(run.rows())));
 }
 
 /// As the matrix counts: from 1.
@@ -173,13 +201,7 @@ bool try_graph(const Run& run, const std::shared_ptr<const Symbolic>& symbolic, 
     }
     attempt.solve_seconds = cpu_seconds() - factored;
     judge(run, attempt);
-    const bool doubtful = attempt.outcome.dropped_rows + attempt.outcome.boosts > 0;
-    const bool by_rounding = !doubtful && smallest_scaled_singular(run.source.file.matrix, run.source.blocks, factor) <=
-                                              5e-16 * std::sqrt(static_cast<double>(run.rows()));
-    if (doubtful || by_rounding) {
-      const Diagnosis diagnosis = diagnose(run.source.blocks.graph, factor, attempt.outcome);
-      if (by_rounding || is_singular(diagnosis, attempt.outcome)) explain(run, diagnosis);
-    }
+    if (is_singular(run, factor, attempt.outcome)) explain(run, diagnose(run.source.blocks.graph, factor, attempt.outcome));
   }
   run.result.attempts.push_back(attempt);
   return attempt.trouble.empty();
@@ -217,10 +239,8 @@ bool try_robust(const Run& run) {
   }
   // Solved on the first rung, rows left out or boosted: is it singular? As after an attempt without the chain.
   const bool doubtful = as_it_is && attempt.outcome.ok() && attempt.outcome.dropped_rows + attempt.outcome.boosts > 0;
-  if (!attempt.trouble.empty() || doubtful) {
-    const Diagnosis diagnosis = diagnose(run.source.blocks.graph, solver.factorization(), attempt.outcome);
-    if (!attempt.trouble.empty() || is_singular(diagnosis, attempt.outcome)) explain(run, diagnosis);
-  }
+  if (!attempt.trouble.empty() || (doubtful && is_singular(run, solver.factorization(), attempt.outcome)))
+    explain(run, diagnose(run.source.blocks.graph, solver.factorization(), attempt.outcome));
   run.result.attempts.push_back(attempt);
   return attempt.trouble.empty();
 }
@@ -244,7 +264,8 @@ SolveResult solve_system(const MatrixSource& source, std::span<const double> b, 
     good = try_robust(run);
   }
   // Rows left out by a factorization that then leaves no residual are dependent; a large residual may have made them.
-  result.solved = good && result.diagnosis.empty();
+  result.singular = !result.diagnosis.empty();
+  result.good = good;
   return result;
 }
 

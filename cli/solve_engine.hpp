@@ -32,7 +32,8 @@ struct SolveResult {
   std::vector<Attempt> attempts;
   std::vector<std::string> diagnosis;  ///< sentences that name blocks, when the matrix is singular
   double fill_ratio = 1;
-  bool solved = false;  ///< the last attempt reached the bar and the matrix is not singular
+  bool good = false;      ///< the last attempt reached the bar
+  bool singular = false;  ///< x, if good, is one solution of many
 };
 
 /// Largest normwise backward error that counts as solved.

@@ -206,6 +206,30 @@ TEST_F(MatrixCommand, SolveNamesTheBlocksOfASingularMatrixAndExitsWithOne) {
     }
 }
 
+// Regular once rows and columns are scaled (condition 9), though a pivot is boosted on the way.
+TEST_F(MatrixCommand, UnitsFarApartDoNotMakeAMatrixSingular) {
+  write("a.mtx", 4, {{0, 0, 1}, {1, 1, 2}, {2, 2, -1}, {3, 3, -1e18}, {2, 0, -1}, {0, 2, -1}, {3, 0, 2e9}, {0, 3, 2e9},
+                     {2, 1, 3e-9}, {1, 2, 3e-9}, {3, 1, -1}, {1, 3, -1}, {3, 2, 1e9}, {2, 3, 1e9}});
+  const Outcome outcome = run("solve a.mtx --factorization ldlt");
+  EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+  EXPECT_EQ(outcome.err.find("singular"), std::string::npos) << outcome.err;
+}
+
+TEST_F(MatrixCommand, OfASingularSystemWithSolutionsOneIsTakenOnDemand) {
+  write("a.mtx", 4, saddle(true));
+  const Outcome refused = run("solve a.mtx --out x.mtx");
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_NE(refused.err.find("--accept-singular takes one"), std::string::npos) << refused.err;
+  const Outcome taken = run("solve a.mtx --out x.mtx --accept-singular");
+  EXPECT_EQ(taken.code, 0) << taken.err;
+  EXPECT_NE(taken.err.find("a.mtx: the matrix is singular"), std::string::npos) << taken.err;
+  EXPECT_TRUE(fs::exists(folder_ / "x.mtx"));
+  // No x solves 0 x3 = 1.
+  write("zero.mtx", 3, {{0, 0, 1}, {1, 1, 1}, {2, 2, 0}});
+  std::ofstream(folder_ / "b.mtx") << "%%MatrixMarket matrix array real general\n3 1\n1\n1\n1\n";
+  EXPECT_EQ(run("solve zero.mtx b.mtx --accept-singular").code, 1);
+}
+
 // The constant vector solves A v = 0; what rounding leaves of the last pivot is as often positive as not. Wide units do
 // not make the same network singular once one node is held.
 TEST_F(MatrixCommand, ANetworkThatNothingHoldsIsSingularWhateverRoundingMakesOfIt) {
