@@ -30,7 +30,7 @@ constexpr const char* footer = R"(Examples:
   graphsolve analyze A.mtx --svg fill.svg --dot graph.dot --json report.json
 
 Nothing is factored: all figures are predictions that the factorization keeps. With all orderings, pictures and the
-attribution of fill are those of the ordering of fewest operations; those that fill more than 50 million blocks are left
+attribution of fill are those of the ordering of fewest operations; those that fill more than 3 million blocks are left
 out. --dot also writes the elimination tree, beside the graph: graph.dot and graph-tree.dot. How to read all this:
 docs/ordering_and_fill.md.
 

@@ -16,8 +16,8 @@ using study::number;
 
 namespace {
 
-/// What is worked out and attributed takes a hundred bytes for each.
-constexpr std::int64_t most_fill_blocks = 50'000'000;
+/// What is worked out and attributed takes a kilobyte for each.
+constexpr std::int64_t most_fill_blocks = 3'000'000;
 
 double cpu_seconds() {
   timespec now{};

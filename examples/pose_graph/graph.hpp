@@ -28,6 +28,7 @@ struct Graph {
   int poses = 0;
   std::vector<Edge> edges;
   std::vector<typename S::Pose> guess;  ///< the file's own; empty when it does not give all of them
+  std::map<std::string, int> passed_over;  ///< lines that were not taken up, by their first word
 };
 
 /// What is wrong with a line on which reading numbers ended.
@@ -53,7 +54,8 @@ void check_information(const Matrix& information, const std::string& edge) {
   throw std::runtime_error(text.str());
 }
 
-/// Reads the vertices and edges of one space from a .g2o file; other lines (FIX, parameters) are passed over.
+/// Reads the vertices and edges of one space from a .g2o file; other lines (landmarks, FIX, parameters) are passed
+/// over and counted.
 /// Throws std::runtime_error with file, line and what is wrong there.
 template <class S>
 Graph<S> read_g2o(const std::string& path) {
@@ -67,6 +69,7 @@ Graph<S> read_g2o(const std::string& path) {
     typename S::Matrix information;
   };
   std::vector<Named> edges;
+  std::map<std::string, int> passed_over;
   std::string line, tag;
   typename S::Pose last;
   for (int count = 1; std::getline(file, line); ++count) {
@@ -89,6 +92,7 @@ Graph<S> read_g2o(const std::string& path) {
       number[e.from] = number[e.to] = 0;
       edges.push_back(e);
     } else {
+      ++passed_over[tag];
       continue;
     }
     const std::string where = path + ", line " + std::to_string(count) + ": ";
@@ -103,6 +107,7 @@ Graph<S> read_g2o(const std::string& path) {
   }
   if (edges.empty()) throw std::runtime_error(path + ": no line begins with " + S::edge_tag);
   Graph<S> graph;
+  graph.passed_over = std::move(passed_over);
   for (auto& [id, index] : number) index = graph.poses++;
   for (const Named& e : edges) graph.edges.push_back({number[e.from], number[e.to], e.measured, e.information});
   if (static_cast<int>(vertices.size()) == graph.poses)

@@ -44,6 +44,8 @@ bool solve(const std::string& path, bool made_here) {
   std::printf("%s, %d poses, %zu edges, blocks of the factor over those of the matrix: %.2f\n", S::name, graph.poses,
               graph.edges.size(),
               static_cast<double>(counts.stored_scalars) / static_cast<double>(counts.matrix_scalars));
+  for (const auto& [word, lines] : graph.passed_over)
+    std::printf("  not taken up: %d line%s %s\n", lines, lines == 1 ? "" : "s", word.c_str());
   std::printf("  start: %s\n", best->name);
   const Report report = optimizer.run(best->pose);
   for (std::size_t k = 0; k < report.steps.size(); ++k)

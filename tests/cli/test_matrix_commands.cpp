@@ -123,7 +123,7 @@ TEST_F(MatrixCommand, AnOrderingThatFillsMoreThanMemoryHoldsIsLeftOut) {
   for (int i = 1; i < n; ++i) arrow.insert(arrow.end(), {{i, 0, 1e-3}, {0, i, 1e-3}});
   write("arrow.mtx", n, arrow);
   EXPECT_EQ(refused("analyze arrow.mtx --ordering natural"),
-            "graphsolve: arrow.mtx: natural: left out, it fills more than 50000000 blocks; take another ordering, or "
+            "graphsolve: arrow.mtx: natural: left out, it fills more than 3000000 blocks; take another ordering, or "
             "merge rows into blocks\n");
 }
 
