@@ -93,7 +93,7 @@ EntryMap::EntryMap(const SparseMatrix& matrix, const BlockStructure& structure, 
   std::vector<int> node_of(static_cast<std::size_t>(graph.rows()));
   for (int v = 0; v < graph.size(); ++v)
     std::fill_n(node_of.begin() + graph.row({v}), graph.dimension({v}), v);
-  offset_.reserve(matrix.row.size());
+  entries_.reserve(matrix.row.size());
   for (int j = 0; j < matrix.columns; ++j) {
     const int column = structure.row_of[j];
     const NodeId b{node_of[column]};
@@ -104,15 +104,16 @@ EntryMap::EntryMap(const SparseMatrix& matrix, const BlockStructure& structure, 
       const NodeId a{node_of[row]};
       if (a != last) block = symbolic.block(a, b);
       last = a;
-      offset_.push_back(block.place(row - graph.row(a), column - graph.row(b)));
+      entries_.push_back({block.place(row - graph.row(a), column - graph.row(b)), k});
     }
   }
+  std::ranges::stable_sort(entries_, {}, &Entry::offset);
 }
 
 void EntryMap::write(std::span<const double> values, std::span<double> factor_values) const {
-  check_sizes("entry map", values.size(), factor_values.size(), offset_.size(), static_cast<std::size_t>(values_size_));
+  check_sizes("entry map", values.size(), factor_values.size(), entries_.size(), static_cast<std::size_t>(values_size_));
   std::ranges::fill(factor_values, 0.0);
-  for (std::size_t k = 0; k < offset_.size(); ++k) factor_values[offset_[k]] = values[k];
+  for (const Entry& entry : entries_) factor_values[entry.offset] = values[entry.number];
 }
 
 }  // namespace graphsolve

@@ -94,8 +94,12 @@ class EntryMap {
   void write(std::span<const double> values, std::span<double> factor_values) const;
 
  private:
-  std::vector<std::int64_t> offset_;  ///< per entry
-  std::int64_t values_size_;          ///< of the factor
+  struct Entry {
+    std::int64_t offset;  ///< in the values of the factor
+    std::int64_t number;  ///< in those of the matrix
+  };
+  std::vector<Entry> entries_;  ///< by offset: of blocks that lie interleaved each cache line is written once
+  std::int64_t values_size_;    ///< of the factor
 };
 
 }  // namespace graphsolve
