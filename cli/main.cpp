@@ -6,13 +6,11 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
-#include <new>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "commands.hpp"
-#include "physics/mechanism.hpp"
 #include "wrong_options.hpp"
 
 namespace {
@@ -44,12 +42,8 @@ bool is_unknown_command(const std::vector<CLI::App*>& names, const std::string& 
 int run(const cli::Command& command) {
   try {
     return command();
-  } catch (const physics::DescriptionError& error) {
-    return fail(error.what());
-  } catch (const std::bad_alloc&) {
-    return fail("not enough memory for this scene or matrix");
-  } catch (const std::exception& error) {  // from the file system, or a list longer than can be
-    return fail(error.what());
+  } catch (const std::exception& error) {  // wrong input, but also from the file system, or a list longer than can be
+    return fail(cli::sentence_of(error));
   }
 }
 

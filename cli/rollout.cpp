@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -18,6 +17,7 @@
 #include "progress.hpp"
 #include "rollout_file.hpp"
 #include "rollout_mpi.hpp"
+#include "rollout_summary.hpp"
 #include "scene_source.hpp"
 
 namespace cli {
@@ -59,7 +59,7 @@ The file has one line of JSON per copy. Its bytes do not depend on threads, lane
 where a killed one stopped. See docs/rollouts.md.
 
 Exit code: 0 all copies solved all steps, 1 some copy failed, 2 wrong input or a file that cannot be read or written,
-130 or 143 stopped by SIGINT or SIGTERM.)";
+130 or 143 stopped by SIGINT or SIGTERM (mpirun that is stopped itself has a code of its own).)";
 
 void add_options(CLI::App& command, Options& options) {
   const auto add = [&](const char* group, const char* name, auto& value, const char* type, const char* help) {
@@ -124,14 +124,6 @@ physics::Mechanism make_copy(const RolloutRequest& request, long long copy) {
   return mechanism;
 }
 
-/// What one process did.
-struct Part {
-  Tally tally;                  ///< of the shard, with what the file held before
-  long long steps_now = 0;      ///< made in this run
-  long long copies_before = 0;  ///< that the file held
-  bool complete = false;
-};
-
 Part run_shard(const Options& options, const RolloutRequest& request, const Shard& shard, const std::string& path) {
   Part part;
   std::optional<RolloutFile> file;
@@ -171,72 +163,99 @@ Part run_shard(const Options& options, const RolloutRequest& request, const Shar
   }
   if (file) file->flush();
   part.complete = due == last;
+  part.signal = interrupt();
   return part;
 }
 
-/// The tallies of all processes, the failures of this one.
-void sum(const Processes& processes, Part& part) {
-  using graphsolve::Status;
-  const std::vector<std::string> names{"solved", "max_iterations", "stalled", "singular", "not_finite", "step_bound"};
-  std::vector<long long> values{part.tally.copies, part.tally.steps, part.steps_now, part.copies_before, part.complete};
-  for (const std::string& name : names) values.push_back(part.tally.statuses[name]);
-  processes.sum(values);
-  part.tally.copies = values[0];
-  part.tally.steps = values[1];
-  part.steps_now = values[2];
-  part.copies_before = values[3];
-  part.complete = values[4] == processes.count();
-  for (std::size_t i = 0; i < names.size(); ++i) part.tally.statuses[names[i]] = values[5 + i];
+/// What is known before the work.
+struct Plan {
+  RolloutRequest request;
+  Shard shard;
+  bool in_parts = false;          ///< processes write files of their own
+  std::optional<Tally> finished;  ///< of the file of all processes, where an earlier run has completed it
+};
+
+std::string part_file(const Options& options, int rank, int count) {
+  return fmt::format("{}.{}-of-{}", options.out, rank, count);
 }
 
-std::string statuses_text(const Tally& tally) {
-  std::vector<std::string> parts;
-  for (const auto& [status, count] : tally.statuses)
-    if (count > 0) parts.push_back(fmt::format("{} {}", count, status));
-  return fmt::format("{}", fmt::join(parts, ", "));
-}
-
-int finish(const RolloutRequest& request, const Part& part) {
-  for (const std::string& failure : part.tally.failures) fmt::print(stderr, "graphsolve: {}\n", failure);
-  if (interrupt()) {
-    fmt::print(stderr, "graphsolve: {}: stopped by signal {}; the same command goes on from there\n", request.scene,
-               interrupt());
-    return interrupted + interrupt();
-  }
-  return part.tally.failed() > 0 ? step_failed : all_solved;
-}
-
-int rollout_here(const Options& options, const RolloutRequest& request, const Processes& processes) {
+Plan make_plan(const Options& options, const Processes& processes) {
   const bool many = processes.count() > 1;
   if (many && !options.shard.empty()) throw DescriptionError("--shard is not for mpirun: each process is a shard");
-  const Shard shard = many ? Shard{processes.rank(), processes.count()} : parse_shard(options.shard);
-  const auto part_of = [&](int rank) { return fmt::format("{}.{}-of-{}", options.out, rank, processes.count()); };
-  const bool in_parts = many && !options.out.empty();
-  if (in_parts && std::filesystem::exists(options.out))
-    throw DescriptionError(fmt::format("'{}' is there already", options.out));
+  Plan plan{.request = make_request(options),
+            .shard = many ? Shard{processes.rank(), processes.count()} : parse_shard(options.shard),
+            .in_parts = many && !options.out.empty(),
+            .finished = {}};
+  if (plan.in_parts && processes.rank() == 0) plan.finished = finished_rollout(options.out, plan.request);
+  return plan;
+}
+
+/// All processes begin, or none: one that waited for a sum with another that has ended would wait for ever. Empty, after
+/// a sentence, where one cannot.
+std::optional<Plan> agree_on_plan(const Options& options, const Processes& processes) {
+  if (processes.count() == 1) return make_plan(options, processes);
+  std::optional<Plan> plan;
+  std::string error;
+  try {
+    plan = make_plan(options, processes);
+  } catch (const std::exception& exception) {
+    error = sentence_of(exception);
+  }
+  std::vector<long long> values{!plan, plan && plan->finished};
+  processes.sum(values);
+  const bool all_failed = values[0] == processes.count();  // of the same, such as a wrong option
+  if (!plan && (!all_failed || processes.rank() == 0)) fmt::print(stderr, "graphsolve: {}\n", error);
+  if (values[0] > 0) return {};
+  if (values[1] > 0 && !plan->finished) plan->finished.emplace();
+  return plan;
+}
+
+/// Files of a run with another number of processes, which this one cannot go on with.
+void name_other_parts(const Options& options, const Processes& processes) {
+  for (const auto& [count, file] : other_parts(options.out, processes.count()))
+    fmt::print(stderr,
+               "graphsolve: '{}' is of a run by {} processes: this one, by {}, begins anew and leaves it alone; mpirun "
+               "-np {} would go on with it\n",
+               file, count, processes.count(), count);
+}
+
+void merge_parts(const Options& options, const Processes& processes) {
+  std::vector<std::string> parts;
+  for (int rank = 0; rank < processes.count(); ++rank) parts.push_back(part_file(options, rank, processes.count()));
+  merge_rollouts(parts, options.out);
+  for (const std::string& path : parts) std::filesystem::remove(path);
+}
+
+int rollout_here(const Options& options, const Processes& processes) {
+  std::optional<Plan> plan = agree_on_plan(options, processes);
+  if (!plan) return wrong_input;
+  const auto& [request, shard, in_parts, finished] = *plan;
+  const bool many = processes.count() > 1, first = processes.rank() == 0;
+  if (in_parts && first && !finished) name_other_parts(options, processes);
   catch_interrupts();
   const auto begin = std::chrono::steady_clock::now();
-  Part part = run_shard(options, request, shard, in_parts ? part_of(processes.rank()) : options.out);
+  Part part;
+  if (finished)
+    part = {.tally = *finished, .steps_now = 0, .copies_before = finished->copies, .complete = true, .signal = 0};
+  else
+    part = run_shard(options, request, shard,
+                     in_parts ? part_file(options, processes.rank(), processes.count()) : options.out);
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   sum(processes, part);
-  if (processes.rank() == 0) {
-    if (in_parts && part.complete) {
-      std::vector<std::string> parts;
-      for (int rank = 0; rank < processes.count(); ++rank) parts.push_back(part_of(rank));
-      merge_rollouts(parts, options.out);
-      for (const std::string& path : parts) std::filesystem::remove(path);
-    }
-    fmt::print("{:<22} {}: {} copies of {} steps{}\n", "rollout", request.scene, request.copies, request.steps,
-               shard.count > 1 && !many ? fmt::format(", shard {}/{}", shard.index, shard.count) : "");
-    fmt::print("{:<22} {}\n", "outcomes", statuses_text(part.tally));
-    if (part.copies_before) fmt::print("{:<22} {} copies\n", "done before", part.copies_before);
+  if (first) {
+    if (in_parts && part.complete && !finished) merge_parts(options, processes);
     const long long threads = std::clamp<long long>(shard.last(request.copies) - shard.first(request.copies), 1, options.threads);
-    fmt::print("{:<22} {} in {:.3g} s: {:.4g} env-steps/s by {} process{} of {} thread{}\n", "env-steps", part.steps_now,
-               wall, static_cast<double>(part.steps_now) / wall, processes.count(), many ? "es" : "", threads,
-               threads > 1 ? "s" : "");
-    if (!options.out.empty()) fmt::print("{:<22} {}\n", "file", options.out);
+    print_summary({.request = request,
+                   .part = part,
+                   .shard = many ? Shard{} : shard,
+                   .processes = processes.count(),
+                   .threads = threads,
+                   .wall = wall,
+                   .file = options.out,
+                   .part_files = in_parts ? fmt::format("{}.*-of-{}", options.out, processes.count()) : ""});
+    if (many) std::fflush(stdout);  // mpirun ends all once one has ended by another code than 0
   }
-  return finish(request, part);
+  return finish(request, part, processes);
 }
 
 int merge(const Options& options) {
@@ -252,13 +271,13 @@ int rollout(const Options& options) {
   if (!options.merge.empty()) return merge(options);
   const Processes processes;
   try {
-    return rollout_here(options, make_request(options), processes);
-  } catch (const DescriptionError& error) {
-    if (processes.count() > 1) {  // the others wait for this one
-      fmt::print(stderr, "graphsolve: {}\n", error.what());
-      std::fflush(stderr);
-      processes.abort(wrong_input);
-    }
+    return rollout_here(options, processes);
+  } catch (const std::exception& error) {
+    if (processes.count() == 1) throw;
+    // The others would wait for this one in a sum, and it for them in the end of MPI.
+    fmt::print(stderr, "graphsolve: process {} of {}: {}\n", processes.rank(), processes.count(), sentence_of(error));
+    std::fflush(stderr);
+    processes.abort(wrong_input);
     throw;
   }
 }

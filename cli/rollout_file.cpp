@@ -202,6 +202,47 @@ void RolloutFile::flush() {
   if (!out_.flush()) throw DescriptionError(fmt::format("cannot write '{}': {}", path_, std::generic_category().message(errno)));
 }
 
+std::optional<Tally> finished_rollout(const std::string& path, const RolloutRequest& request) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return {};
+  if (!std::filesystem::is_regular_file(path, error))
+    throw DescriptionError(fmt::format("cannot write '{}': it is there and no ordinary file", path));
+  Lines lines(path);
+  std::string line;
+  if (!lines.next(line)) {
+    if (line.empty()) return {};
+    throw DescriptionError(fmt::format("{}: is not a file of a rollout", path));
+  }
+  compare(line, rollout_header(request, {}), path);
+  Tally tally;
+  const long long due = read_records(lines, 0, path, tally);
+  if (due != request.copies)
+    throw DescriptionError(fmt::format("{}: holds {} of {} copies, of a run without mpirun: go on without it, or give --out "
+                                       "another name",
+                                       path, due, request.copies));
+  return tally;
+}
+
+std::map<int, std::string> other_parts(const std::string& out, int count) {
+  const std::filesystem::path path(out);
+  const std::string begin = path.filename().string() + ".";
+  std::map<int, std::string> found;
+  std::error_code error;
+  std::filesystem::directory_iterator entries(path.has_parent_path() ? path.parent_path() : ".", error), end;
+  for (; !error && entries != end; entries.increment(error)) {
+    const std::string name = entries->path().filename().string();
+    if (!name.starts_with(begin)) continue;
+    Shard shard;
+    char rest = 0;
+    const bool read = std::sscanf(name.c_str() + begin.size(), "%d-of-%d%c", &shard.index, &shard.count, &rest) == 2;
+    if (!read || shard.count == count) continue;
+    std::string& first = found[shard.count];
+    const std::string file = (path.parent_path() / name).string();
+    if (first.empty() || file < first) first = file;
+  }
+  return found;
+}
+
 Tally merge_rollouts(const std::vector<std::string>& parts, const std::string& out) {
   struct Part {
     std::string path;

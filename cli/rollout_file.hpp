@@ -77,6 +77,13 @@ class RolloutFile {
   bool is_new_ = false;
 };
 
+/// Of a file that an earlier run has completed; empty where there is none, or an empty one. Throws DescriptionError when
+/// it is another rollout's, or not complete.
+std::optional<Tally> finished_rollout(const std::string& path, const RolloutRequest& request);
+
+/// Files "out.0-of-3" beside `out` that processes of another number than `count` left, one of each number.
+std::map<int, std::string> other_parts(const std::string& out, int count);
+
 /// Puts the files of all shards, in any order, into one with the bytes that a run without shards writes. Throws
 /// DescriptionError that names the file that is missing, double, incomplete or of another rollout.
 Tally merge_rollouts(const std::vector<std::string>& parts, const std::string& out);

@@ -9,45 +9,14 @@
 
 #include "physics/scene_io.hpp"
 #include "physics/scenes.hpp"
-#include "program.hpp"
+#include "rollout_program.hpp"
 
-// `graphsolve rollout`: the same bytes for any threads, lanes and shards, after a kill, and by MPI.
+// `graphsolve rollout`: the same bytes for any threads, lanes and shards, and after a kill.
 
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-class Rollout : public Program {
- protected:
-  [[nodiscard]] std::vector<json> lines(const std::string& name) const {
-    std::vector<json> result;
-    std::istringstream in(text(name));
-    for (std::string line; std::getline(in, line);) result.push_back(json::parse(line));
-    return result;
-  }
-  /// Exit code; what it prints goes to out_ and err_.
-  int run(const std::string& arguments, const std::string& before = "") {
-    const Outcome outcome = Program::run("rollout " + arguments, before);
-    out_ = outcome.out;
-    err_ = outcome.err;
-    return outcome.code;
-  }
-
-  [[nodiscard]] std::uintmax_t size(const std::string& name) const {
-    std::error_code none;
-    const auto bytes = fs::file_size(path(name), none);
-    return none ? 0 : bytes;
-  }
-  /// Sends a signal when the file has some records, and waits for the end.
-  [[nodiscard]] int signal_amid(const std::string& arguments, const std::string& file, int signal) const {
-    return Program::signal_amid("rollout " + arguments, signal, [&] { return size(file) >= 30000; });
-  }
-
-  std::string out_, err_;
-};
-
-const std::string work = "disc:c=4 --copies 23 --steps 30 --vary friction=0.1:0.9 --vary start.velocity.x=-1:1 --seed 7";
 
 TEST_F(Rollout, WritesOneRecordPerCopyInOrderWithWhatWasVaried) {
   ASSERT_EQ(run(work + " --out a.jsonl"), 0) << err_;
@@ -242,19 +211,5 @@ TEST_F(Rollout, MergeNamesAShardThatIsMissingOrIncomplete) {
   EXPECT_EQ(err_, "graphsolve: part1: is not complete: copy 22 is due\n");
   EXPECT_FALSE(fs::exists(path("a")));
 }
-
-#ifdef GRAPHSOLVE_MPIRUN
-TEST_F(Rollout, TwoMpiProcessesWriteTheSameBytes) {
-  ASSERT_EQ(run(work + " --out one.jsonl"), 0) << err_;
-  const std::string mpirun =
-      "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 '" GRAPHSOLVE_MPIRUN "' --oversubscribe -np 2";
-  ASSERT_EQ(run(work + " --out two.jsonl", mpirun), 0) << err_;
-  EXPECT_EQ(text("two.jsonl"), text("one.jsonl"));
-  EXPECT_FALSE(fs::exists(path("two.jsonl.0-of-2"))) << "the parts are gone";
-  EXPECT_NE(out_.find("by 2 processes"), std::string::npos) << out_;
-  EXPECT_EQ(run(work + " --shard 0/2 --out x", mpirun), 2);
-  EXPECT_NE(err_.find("each process is a shard"), std::string::npos) << err_;
-}
-#endif
 
 }  // namespace
