@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
-#include <optional>
 
 #include "commands.hpp"
 #include "interrupt.hpp"
@@ -15,10 +14,8 @@
 #include "physics/batch_run.hpp"
 #include "physics/batch_variation.hpp"
 #include "progress.hpp"
-#include "rollout_file.hpp"
-#include "rollout_mpi.hpp"
+#include "rollout_plan.hpp"
 #include "rollout_summary.hpp"
-#include "scene_source.hpp"
 
 namespace cli {
 
@@ -28,16 +25,6 @@ namespace {
 
 constexpr int most_threads = 4096;  ///< more are a slip of the hand, and systems refuse them in the middle of the work
 constexpr long long most_copies = 1'000'000'000'000;  ///< times the number of shards still fits
-
-struct Options {
-  std::string scene, out, shard;
-  std::vector<std::string> vary, merge;
-  std::optional<long long> copies;
-  std::optional<int> steps;
-  int threads = 1, lanes = physics::BatchRun{}.lanes;
-  std::uint64_t seed = 0;
-  double tolerance = physics::SimulatorSettings{}.tolerance;
-};
 
 constexpr const char* footer = R"(Examples:
   graphsolve rollout disc --copies 10000 --steps 100 --vary friction=0.1:0.9 --threads 2 --out disc.jsonl
@@ -61,7 +48,7 @@ where a killed one stopped. See docs/rollouts.md.
 Exit code: 0 all copies solved all steps, 1 some copy failed, 2 wrong input or a file that cannot be read or written,
 130 or 143 stopped by SIGINT or SIGTERM (mpirun that is stopped itself has a code of its own).)";
 
-void add_options(CLI::App& command, Options& options) {
+void add_options(CLI::App& command, RolloutOptions& options) {
   const auto add = [&](const char* group, const char* name, auto& value, const char* type, const char* help) {
     return command.add_option(name, value, help)->type_name(type)->group(group);
   };
@@ -86,37 +73,6 @@ void add_options(CLI::App& command, Options& options) {
   command.footer(footer);
 }
 
-Shard parse_shard(const std::string& text) {
-  Shard shard;
-  if (text.empty()) return shard;
-  char rest = 0;
-  const bool read = std::sscanf(text.c_str(), "%d/%d%c", &shard.index, &shard.count, &rest) == 2;
-  if (!read || shard.count < 1 || shard.index < 0 || shard.index >= shard.count)
-    throw DescriptionError(fmt::format("shard '{}' is not I/N with 0 <= I < N", text));
-  return shard;
-}
-
-RolloutRequest make_request(const Options& options) {
-  if (options.scene.empty()) throw DescriptionError("rollout: SCENE is required");
-  if (!options.copies) throw DescriptionError("rollout: --copies is required");
-  if (!options.steps) throw DescriptionError("rollout: --steps is required");
-  RolloutRequest request{.scene = options.scene,
-                         .mechanism = load_scene(options.scene).trajectory.mechanism,
-                         .copies = *options.copies,
-                         .steps = *options.steps,
-                         .tolerance = options.tolerance,
-                         .seed = options.seed,
-                         .variations = {}};
-  physics::validate(request.mechanism);
-  for (const std::string& text : options.vary) {
-    const auto& v = request.variations.emplace_back(physics::parse_variation(text));
-    for (std::size_t i = 0; i + 1 < request.variations.size(); ++i)
-      if (request.variations[i].key == v.key) throw DescriptionError(fmt::format("vary '{}' is given twice", v.key));
-    physics::check_variation(request.mechanism, v);
-  }
-  return request;
-}
-
 physics::Mechanism make_copy(const RolloutRequest& request, long long copy) {
   physics::Mechanism mechanism = request.mechanism;
   const std::vector<double> values = physics::draw(request.variations, request.seed, copy);
@@ -124,7 +80,7 @@ physics::Mechanism make_copy(const RolloutRequest& request, long long copy) {
   return mechanism;
 }
 
-Part run_shard(const Options& options, const RolloutRequest& request, const Shard& shard, const std::string& path) {
+Part run_shard(const RolloutOptions& options, const RolloutRequest& request, const Shard& shard, const std::string& path) {
   Part part;
   std::optional<RolloutFile> file;
   long long first = shard.first(request.copies);
@@ -167,71 +123,18 @@ Part run_shard(const Options& options, const RolloutRequest& request, const Shar
   return part;
 }
 
-/// What is known before the work.
-struct Plan {
-  RolloutRequest request;
-  Shard shard;
-  bool in_parts = false;          ///< processes write files of their own
-  std::optional<Tally> finished;  ///< of the file of all processes, where an earlier run has completed it
-};
-
-std::string part_file(const Options& options, int rank, int count) {
-  return fmt::format("{}.{}-of-{}", options.out, rank, count);
-}
-
-Plan make_plan(const Options& options, const Processes& processes) {
-  const bool many = processes.count() > 1;
-  if (many && !options.shard.empty()) throw DescriptionError("--shard is not for mpirun: each process is a shard");
-  Plan plan{.request = make_request(options),
-            .shard = many ? Shard{processes.rank(), processes.count()} : parse_shard(options.shard),
-            .in_parts = many && !options.out.empty(),
-            .finished = {}};
-  if (plan.in_parts && processes.rank() == 0) plan.finished = finished_rollout(options.out, plan.request);
-  return plan;
-}
-
-/// All processes begin, or none: one that waited for a sum with another that has ended would wait for ever. Empty, after
-/// a sentence, where one cannot.
-std::optional<Plan> agree_on_plan(const Options& options, const Processes& processes) {
-  if (processes.count() == 1) return make_plan(options, processes);
-  std::optional<Plan> plan;
-  std::string error;
-  try {
-    plan = make_plan(options, processes);
-  } catch (const std::exception& exception) {
-    error = sentence_of(exception);
-  }
-  std::vector<long long> values{!plan, plan && plan->finished};
-  processes.sum(values);
-  const bool all_failed = values[0] == processes.count();  // of the same, such as a wrong option
-  if (!plan && (!all_failed || processes.rank() == 0)) fmt::print(stderr, "graphsolve: {}\n", error);
-  if (values[0] > 0) return {};
-  if (values[1] > 0 && !plan->finished) plan->finished.emplace();
-  return plan;
-}
-
-/// Files of a run with another number of processes, which this one cannot go on with.
-void name_other_parts(const Options& options, const Processes& processes) {
-  for (const auto& [count, file] : other_parts(options.out, processes.count()))
-    fmt::print(stderr,
-               "graphsolve: '{}' is of a run by {} processes: this one, by {}, begins anew and leaves it alone; mpirun "
-               "-np {} would go on with it\n",
-               file, count, processes.count(), count);
-}
-
-void merge_parts(const Options& options, const Processes& processes) {
+void merge_parts(const RolloutOptions& options, const Processes& processes) {
   std::vector<std::string> parts;
   for (int rank = 0; rank < processes.count(); ++rank) parts.push_back(part_file(options, rank, processes.count()));
   merge_rollouts(parts, options.out);
   for (const std::string& path : parts) std::filesystem::remove(path);
 }
 
-int rollout_here(const Options& options, const Processes& processes) {
-  std::optional<Plan> plan = agree_on_plan(options, processes);
+int rollout_here(const RolloutOptions& options, const Processes& processes) {
+  std::optional<RolloutPlan> plan = agree_on_plan(options, processes);
   if (!plan) return wrong_input;
   const auto& [request, shard, in_parts, finished] = *plan;
   const bool many = processes.count() > 1, first = processes.rank() == 0;
-  if (in_parts && first && !finished) name_other_parts(options, processes);
   catch_interrupts();
   const auto begin = std::chrono::steady_clock::now();
   Part part;
@@ -258,7 +161,7 @@ int rollout_here(const Options& options, const Processes& processes) {
   return finish(request, part, processes);
 }
 
-int merge(const Options& options) {
+int merge(const RolloutOptions& options) {
   if (options.out.empty()) throw DescriptionError("--merge needs --out");
   if (!options.scene.empty()) throw DescriptionError("--merge takes files of shards, no scene");
   check_outputs({{"--out", options.out}}, options.merge);
@@ -267,7 +170,7 @@ int merge(const Options& options) {
   return tally.failed() > 0 ? step_failed : all_solved;
 }
 
-int rollout(const Options& options) {
+int rollout(const RolloutOptions& options) {
   if (!options.merge.empty()) return merge(options);
   const Processes processes;
   try {
@@ -286,7 +189,7 @@ int rollout(const Options& options) {
 
 Command add_rollout(CLI::App& program) {
   CLI::App* command = program.add_subcommand("rollout", "Simulate many copies of a scene that differ in some numbers.");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<RolloutOptions>();
   add_options(*command, *options);
   return [options] { return rollout(*options); };
 }

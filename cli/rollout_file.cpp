@@ -12,6 +12,7 @@
 #include <system_error>
 #include <type_traits>
 
+#include "graphsolve/simd/lanes.hpp"
 #include "physics/scene_io.hpp"
 
 namespace cli {
@@ -48,14 +49,21 @@ Value get(const Json& json, const char* key, const std::string& where) {
   return found->get<Value>();
 }
 
-/// Two headers that should be equal.
-void compare(const std::string& found, const std::string& wanted, const std::string& path) {
+/// What goes on with a file; a shard among others has another way out.
+constexpr const char* go_on = "GRAPHSOLVE_SIMD={} goes on with it where the processor can, another file begins anew";
+
+/// Two headers that should be equal. advice: where the instruction sets differ; {} is the one that was found.
+void compare(const std::string& found, const std::string& wanted, const std::string& path, const char* advice = go_on) {
   if (found == wanted) return;
   const Json have = parse(found, path + ":1"), want = Json::parse(wanted);
   for (const auto& [key, value] : want.items()) {
     const Json other = have.value(key, Json());
     if (other == value) continue;
     if (key == "format") throw DescriptionError(fmt::format("{}: is not a file of a rollout", path));
+    if (key == "instruction_set" && other.is_string())
+      throw DescriptionError(fmt::format("{}: was computed by the instruction set {}, not {}, and last digits differ: {}", path,
+                                         other.get<std::string>(), value.get<std::string>(),
+                                         fmt::format(fmt::runtime(advice), other.get<std::string>())));
     throw DescriptionError(fmt::format("{}: holds a rollout with {} {}, not {}", path, key, other.dump(), value.dump()));
   }
   throw DescriptionError(fmt::format("{}: its header says more than this program writes", path));
@@ -102,6 +110,7 @@ std::string rollout_header(const RolloutRequest& request, const Shard& shard) {
   return Json{{"format", "graphsolve-rollout"},
               {"version", 1},
               {"program", "graphsolve " GRAPHSOLVE_VERSION},
+              {"instruction_set", graphsolve::simd::name(graphsolve::simd::instruction_set())},
               {"scene", request.scene},
               {"scene_hash", hash(scene.str())},
               {"copies", request.copies},
@@ -260,9 +269,10 @@ Tally merge_rollouts(const std::vector<std::string>& parts, const std::string& o
     if (std::sscanf(get<std::string>(header, "shard", path + ":1").c_str(), "%d/%d", &shard.index, &shard.count) != 2 || shard.index < 0 ||
         shard.index >= shard.count)
       throw DescriptionError(fmt::format("{}: is not a file of a rollout", path));
+    (void)get<std::string>(header, "instruction_set", path + ":1");
     header["shard"] = "0/1";
     if (found.empty()) common = header;
-    compare(header.dump(), common.dump(), path);
+    compare(header.dump(), common.dump(), path, "compute all shards by one, such as GRAPHSOLVE_SIMD=plain everywhere");
     found.push_back({path, shard});
   }
   std::stable_sort(found.begin(), found.end(), [](const Part& a, const Part& b) { return a.shard.index < b.shard.index; });

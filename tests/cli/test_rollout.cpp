@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "graphsolve/simd/lanes.hpp"
 #include "physics/scene_io.hpp"
 #include "physics/scenes.hpp"
 #include "rollout_program.hpp"
@@ -93,6 +94,30 @@ TEST_F(Rollout, RefusesToGoOnWithAnotherRolloutsFile) {
   std::ofstream(path("letter.txt")) << "Dear all,\n";
   EXPECT_EQ(run("disc --copies 2 --steps 3 --out letter.txt"), 2);
   EXPECT_EQ(text("letter.txt"), "Dear all,\n");
+}
+
+TEST_F(Rollout, TheInstructionSetIsPartOfTheHeader) {
+  if (graphsolve::simd::instruction_sets().size() < 2) GTEST_SKIP() << "this machine has one instruction set";
+  const std::string other = "GRAPHSOLVE_SIMD=avx2", arguments = "disc --copies 4 --steps 3 --out ";
+  ASSERT_EQ(run(arguments + "whole", other), 0) << err_;
+  EXPECT_EQ(lines("whole")[0]["instruction_set"], "avx2");
+  const std::string whole = text("whole"), begun = whole.substr(0, whole.find("{\"copy\":2,"));
+  write("begun", begun);
+  EXPECT_EQ(run(arguments + "begun", "GRAPHSOLVE_SIMD=plain"), 2);
+  EXPECT_EQ(err_,
+            "graphsolve: begun: was computed by the instruction set avx2, not plain, and last digits differ: "
+            "GRAPHSOLVE_SIMD=avx2 goes on with it where the processor can, another file begins anew\n");
+  EXPECT_EQ(text("begun"), begun);
+  ASSERT_EQ(run(arguments + "begun", other), 0) << err_;
+  EXPECT_EQ(text("begun"), whole);
+
+  ASSERT_EQ(run(arguments + "part0 --shard 0/2", "GRAPHSOLVE_SIMD=plain"), 0) << err_;
+  ASSERT_EQ(run(arguments + "part1 --shard 1/2", other), 0) << err_;
+  EXPECT_EQ(run("--merge part0 part1 --out merged"), 2);
+  EXPECT_EQ(err_,
+            "graphsolve: part1: was computed by the instruction set avx2, not plain, and last digits differ: compute all "
+            "shards by one, such as GRAPHSOLVE_SIMD=plain everywhere\n");
+  EXPECT_FALSE(fs::exists(path("merged")));
 }
 
 TEST_F(Rollout, AFileThatAnotherRunWritesIsLeftAlone) {

@@ -1,6 +1,7 @@
 #include <csignal>
 #include <string>
 
+#include "graphsolve/simd/lanes.hpp"
 #include "rollout_program.hpp"
 
 // `graphsolve rollout` under mpirun: the bytes of one process, and an end for all when one ends.
@@ -70,6 +71,16 @@ TEST_F(RolloutMpi, AnExceptionOfTheLibraryInOneProcessEndsAll) {
   EXPECT_EQ(mpirun(work + " --out a.jsonl", in_process_1_ + "export GRAPHSOLVE_SIMD=none;"), 2);
   EXPECT_TRUE(says("GRAPHSOLVE_SIMD is 'none'; there are: plain, avx2, avx512\n")) << err_;
   EXPECT_FALSE(fs::exists(path("a.jsonl")));
+}
+
+TEST_F(RolloutMpi, ProcessesOfDifferentInstructionSetsDoNotBegin) {
+  if (graphsolve::simd::instruction_sets().size() < 2) GTEST_SKIP() << "this machine has one instruction set";
+  EXPECT_EQ(mpirun(work + " --out a.jsonl", "export GRAPHSOLVE_SIMD=avx2;" + in_process_1_ + "export GRAPHSOLVE_SIMD=plain;"), 2);
+  EXPECT_EQ(times_said("graphsolve: the processes compute by different instruction sets, 1 by plain, 1 by avx2, and last "
+                       "digits differ: set GRAPHSOLVE_SIMD=plain for all of them\n"),
+            1)
+      << err_;
+  EXPECT_TRUE(entries().empty());
 }
 
 TEST_F(RolloutMpi, StoppedItNamesThePartsAndWhatIsLeftAndGoesOn) {
