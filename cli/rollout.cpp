@@ -167,6 +167,7 @@ int merge(const RolloutOptions& options) {
   check_outputs({{"--out", options.out}}, options.merge);
   const Tally tally = merge_rollouts(options.merge, options.out);
   fmt::print("{:<22} {} copies: {}\n{:<22} {}\n", "merged", tally.copies, statuses_text(tally), "file", options.out);
+  print_failures(tally);
   return tally.failed() > 0 ? step_failed : all_solved;
 }
 

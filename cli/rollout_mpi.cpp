@@ -1,6 +1,7 @@
 #include "rollout_mpi.hpp"
 
 #include <cstdlib>
+#include <numeric>
 
 #include "physics/mechanism.hpp"
 
@@ -37,6 +38,18 @@ void Processes::sum(std::vector<long long>& values) const {
   if (count_ > 1)
     MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_LONG_LONG, MPI_SUM, MPI_COMM_WORLD);
 }
+std::vector<std::string> Processes::gather(const std::string& text) const {
+  if (count_ == 1) return {text};
+  const int size = static_cast<int>(text.size());
+  std::vector<int> sizes(count_), begins(count_ + 1);
+  MPI_Gather(&size, 1, MPI_INT, sizes.data(), 1, MPI_INT, 0, MPI_COMM_WORLD);
+  if (rank_ == 0) std::partial_sum(sizes.begin(), sizes.end(), begins.begin() + 1);
+  std::string all(begins.back(), ' ');
+  MPI_Gatherv(text.data(), size, MPI_CHAR, all.data(), sizes.data(), begins.data(), MPI_CHAR, 0, MPI_COMM_WORLD);
+  std::vector<std::string> texts;
+  for (int rank = 0; rank < count_ && rank_ == 0; ++rank) texts.push_back(all.substr(begins[rank], sizes[rank]));
+  return texts;
+}
 void Processes::abort(int code) const {
   if (count_ > 1) MPI_Abort(MPI_COMM_WORLD, code);
 }
@@ -51,6 +64,7 @@ Processes::Processes() {
 }
 Processes::~Processes() = default;
 void Processes::sum(std::vector<long long>&) const {}
+std::vector<std::string> Processes::gather(const std::string& text) const { return {text}; }
 void Processes::abort(int) const {}
 
 #endif

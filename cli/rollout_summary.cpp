@@ -5,19 +5,40 @@
 
 #include <csignal>
 #include <cstdio>
+#include <iterator>
 #include <vector>
 
 #include "commands.hpp"
+#include "graphsolve/status.hpp"
 
 namespace cli {
 
+namespace {
+
+using graphsolve::Status;
+
+constexpr Status statuses[] = {Status::solved,   Status::max_iterations, Status::stalled,
+                               Status::singular, Status::not_finite,     Status::step_bound};
+
+/// The first of all processes, whose copies are in the order of the processes.
+std::vector<std::string> gather_failures(const Processes& processes, const std::vector<std::string>& own) {
+  std::string text;
+  for (const std::string& failure : own) text += failure + '\0';  // names may have ends of lines
+  std::vector<std::string> first;
+  for (const std::string& texts : processes.gather(text))
+    for (std::size_t at = 0; at < texts.size() && first.size() < most_failures_named; at = texts.find('\0', at) + 1)
+      first.push_back(texts.substr(at, texts.find('\0', at) - at));
+  return first;
+}
+
+}  // namespace
+
 void sum(const Processes& processes, Part& part) {
-  const std::vector<std::string> names{"solved", "max_iterations", "stalled", "singular", "not_finite", "step_bound"};
   std::vector<long long> values{part.tally.copies,  part.tally.steps, part.steps_now,
                                 part.copies_before, part.complete,    part.signal == SIGINT,
                                 part.signal == SIGTERM};
   const std::size_t counted = values.size();
-  for (const std::string& name : names) values.push_back(part.tally.statuses[name]);
+  for (const Status status : statuses) values.push_back(part.tally.statuses[std::string(name(status))]);
   processes.sum(values);
   part.tally.copies = values[0];
   part.tally.steps = values[1];
@@ -25,7 +46,20 @@ void sum(const Processes& processes, Part& part) {
   part.copies_before = values[3];
   part.complete = values[4] == processes.count();
   part.signal = values[6] > 0 ? SIGTERM : values[5] > 0 ? SIGINT : 0;
-  for (std::size_t i = 0; i < names.size(); ++i) part.tally.statuses[names[i]] = values[counted + i];
+  for (std::size_t i = 0; i < std::size(statuses); ++i)
+    part.tally.statuses[std::string(name(statuses[i]))] = values[counted + i];
+  part.tally.failures = gather_failures(processes, part.tally.failures);
+}
+
+void print_failures(const Tally& tally) {
+  for (const std::string& failure : tally.failures) fmt::print(stderr, "graphsolve: {}\n", failure);
+  const long long more = tally.failed() - static_cast<long long>(tally.failures.size());
+  if (more > 0) fmt::print(stderr, "graphsolve: and {} more cop{} failed\n", more, more == 1 ? "y" : "ies");
+  for (const Status status : statuses) {
+    const auto found = tally.statuses.find(std::string(name(status)));
+    if (status != Status::solved && found != tally.statuses.end() && found->second > 0)
+      fmt::print(stderr, "graphsolve: {}: {}\n", name(status), explanation(status));
+  }
 }
 
 std::string statuses_text(const Tally& tally) {
@@ -54,7 +88,7 @@ void print_summary(const Summary& s) {
 }
 
 int finish(const RolloutRequest& request, const Part& part, const Processes& processes) {
-  for (const std::string& failure : part.tally.failures) fmt::print(stderr, "graphsolve: {}\n", failure);
+  if (processes.rank() == 0) print_failures(part.tally);
   if (part.signal && !part.complete) {
     if (processes.rank() == 0)
       fmt::print(stderr, "graphsolve: {}: stopped by signal {}; the same command goes on from there\n", request.scene,

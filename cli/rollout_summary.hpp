@@ -16,9 +16,12 @@ struct Part {
   int signal = 0;               ///< that ended it, or 0
 };
 
-/// Of all processes, which all have to call this: sums, and the signal that one of them got. Failures stay those of this
-/// process.
+/// Of all processes, which all have to call this: sums, and the signal that one of them got. The first failures of all are
+/// known to the first process only.
 void sum(const Processes& processes, Part& part);
+
+/// On the standard error: the first failures, how many more there are, and each cause once with what would help.
+void print_failures(const Tally& tally);
 
 /// "17 solved, 3 stalled"
 std::string statuses_text(const Tally& tally);

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "physics/scene_io.hpp"
+#include "physics/scenes.hpp"
 #include "program.hpp"
 
 /// `graphsolve rollout`, and the files that it writes.
@@ -32,6 +34,19 @@ class Rollout : public Program {
   /// Sends a signal when the file has some records, and waits for the end.
   [[nodiscard]] int signal_amid(const std::string& arguments, const std::string& file, int signal) const {
     return Program::signal_amid("rollout " + arguments, signal, [&] { return size(file) >= 30000; });
+  }
+
+  [[nodiscard]] int times_said(const std::string& words) const {
+    int count = 0;
+    for (auto at = err_.find(words); at != std::string::npos; at = err_.find(words, at + 1)) ++count;
+    return count;
+  }
+  /// More angular momentum at step 5 than any turn of less than half a circle per step holds, for the lighter tops.
+  void write_doomed_tops(const std::string& name) const {
+    physics::Mechanism scene = physics::built_in_scene("free_top");
+    scene.add(physics::Load{
+        .body = {0}, .first_step = 5, .last_step = 5, .force = physics::Vec3::Zero(), .torque = {0, 1e8, 0}});
+    physics::write_scene_json(scene, path(name));
   }
 
   std::string out_, err_;

@@ -8,8 +8,6 @@
 #include <vector>
 
 #include "graphsolve/simd/lanes.hpp"
-#include "physics/scene_io.hpp"
-#include "physics/scenes.hpp"
 #include "rollout_program.hpp"
 
 // `graphsolve rollout`: the same bytes for any threads, lanes and shards, and after a kill.
@@ -152,10 +150,7 @@ TEST_F(Rollout, LinesWithValuesOfAnotherTypeAreRefused) {
 }
 
 TEST_F(Rollout, ACopyThatFailsIsNamedAndTheOthersAreDone) {
-  physics::Mechanism scene = physics::built_in_scene("free_top");
-  // More angular momentum than any turn of less than half a circle per step holds, for the lighter tops.
-  scene.add(physics::Load{.body = {0}, .first_step = 5, .last_step = 5, .force = physics::Vec3::Zero(), .torque = {0, 1e8, 0}});
-  physics::write_scene_json(scene, path("doomed.json"));
+  write_doomed_tops("doomed.json");
   ASSERT_EQ(run("doomed.json --copies 20 --steps 10 --vary mass=0.01:2 --seed 3 --out a.jsonl"), 1) << err_;
   int failed = 0, solved = 0;
   for (const json& record : lines("a.jsonl")) {
@@ -171,6 +166,26 @@ TEST_F(Rollout, ACopyThatFailsIsNamedAndTheOthersAreDone) {
   }
   EXPECT_GT(failed, 0) << "the test shows nothing";
   EXPECT_GT(solved, 0) << "the test shows nothing";
+}
+
+TEST_F(Rollout, ManyFailuresAreTenNamesACountAndEachCauseOnce) {
+  write_doomed_tops("doomed.json");
+  const std::string command = "doomed.json --copies 21 --steps 10 --vary mass=0.01:0.02";
+  const auto complains = [&] {
+    EXPECT_EQ(times_said(": step 5 failed, "), 10) << err_;
+    EXPECT_EQ(times_said("graphsolve: and 11 more copies failed\n"), 1) << err_;
+    const std::string status = lines("a.jsonl")[1]["status"];
+    EXPECT_EQ(times_said("graphsolve: " + status + ": "), 1) << err_;
+    EXPECT_EQ(times_said("make a smaller change per solve\n"), 1) << err_;
+  };
+  ASSERT_EQ(run(command + " --out a.jsonl"), 1) << err_;
+  complains();
+  ASSERT_EQ(run(command + " --out a.jsonl"), 1) << "nothing is left to do, and the outcome is the same";
+  complains();
+  ASSERT_EQ(run("--merge a.jsonl --out b.jsonl"), 1) << err_;
+  complains();
+  ASSERT_EQ(run("doomed.json --copies 11 --steps 10 --vary mass=0.01:0.02"), 1) << err_;
+  EXPECT_EQ(times_said("graphsolve: and 1 more copy failed\n"), 1) << err_;
 }
 
 TEST_F(Rollout, WrongInputIsOneSentence) {

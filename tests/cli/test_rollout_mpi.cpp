@@ -22,11 +22,6 @@ class RolloutMpi : public Rollout {
                               std::to_string(count) + " sh -c '" + before + R"( exec "$@"' sh)");
   }
   [[nodiscard]] bool says(const std::string& sentence) const { return err_.find(sentence) != std::string::npos; }
-  [[nodiscard]] int times_said(const std::string& words) const {
-    int count = 0;
-    for (auto at = err_.find(words); at != std::string::npos; at = err_.find(words, at + 1)) ++count;
-    return count;
-  }
 
   const std::string environment_ = "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 ";
   const std::string in_process_1_ = "test $OMPI_COMM_WORLD_RANK = 1 && ";
@@ -81,6 +76,17 @@ TEST_F(RolloutMpi, ProcessesOfDifferentInstructionSetsDoNotBegin) {
             1)
       << err_;
   EXPECT_TRUE(entries().empty());
+}
+
+TEST_F(RolloutMpi, FailuresAreNamedAsByOneProcess) {
+  write_doomed_tops("doomed.json");
+  const std::string command = "doomed.json --copies 17 --steps 10 --vary mass=0.01:0.02";
+  ASSERT_EQ(run(command), 1);
+  const std::string expected = err_;
+  EXPECT_EQ(times_said("graphsolve: and 7 more copies failed\n"), 1) << err_;
+  EXPECT_EQ(mpirun(command), 1);
+  EXPECT_TRUE(says(expected)) << err_;
+  EXPECT_EQ(times_said(": step 5 failed, "), 10) << err_;
 }
 
 TEST_F(RolloutMpi, StoppedItNamesThePartsAndWhatIsLeftAndGoesOn) {
