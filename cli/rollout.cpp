@@ -164,6 +164,9 @@ int rollout_here(const RolloutOptions& options, const Processes& processes) {
 int merge(const RolloutOptions& options) {
   if (options.out.empty()) throw DescriptionError("--merge needs --out");
   if (!options.scene.empty()) throw DescriptionError("--merge takes files of shards, no scene");
+  for (const std::string& name : options.given)
+    if (name != "--merge" && name != "--out")
+      throw DescriptionError(fmt::format("--merge takes files of shards and --out, no {}", name));
   check_outputs({{"--out", options.out}}, options.merge);
   const Tally tally = merge_rollouts(options.merge, options.out);
   fmt::print("{:<22} {} copies: {}\n{:<22} {}\n", "merged", tally.copies, statuses_text(tally), "file", options.out);
@@ -192,7 +195,11 @@ Command add_rollout(CLI::App& program) {
   CLI::App* command = program.add_subcommand("rollout", "Simulate many copies of a scene that differ in some numbers.");
   const auto options = std::make_shared<RolloutOptions>();
   add_options(*command, *options);
-  return [options] { return rollout(*options); };
+  return [command, options] {
+    for (const CLI::Option* option : command->get_options())
+      if (option->count() > 0) options->given.push_back(option->get_name());
+    return rollout(*options);
+  };
 }
 
 }  // namespace cli

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <filesystem>
@@ -10,10 +9,10 @@
 #include <optional>
 #include <sstream>
 #include <system_error>
-#include <type_traits>
 
 #include "graphsolve/simd/lanes.hpp"
 #include "physics/scene_io.hpp"
+#include "rollout_lines.hpp"
 
 namespace cli {
 
@@ -33,67 +32,6 @@ std::string hash(const std::string& text) {
 Json to_json(const physics::Vec3& v) { return {v.x(), v.y(), v.z()}; }
 /// JSON has no infinity.
 Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-Json parse(const std::string& line, const std::string& where) {
-  Json json = Json::parse(line, nullptr, false);
-  if (!json.is_object()) throw DescriptionError(fmt::format("{}: is not a line of a rollout", where));
-  return json;
-}
-
-/// The value of a key that has to be there and of this type.
-template <class Value>
-Value get(const Json& json, const char* key, const std::string& where) {
-  const auto found = json.find(key);
-  const bool fits = found != json.end() && (std::is_same_v<Value, std::string> ? found->is_string() : found->is_number_integer());
-  if (!fits) throw DescriptionError(fmt::format("{}: is not a line of a rollout (its key '{}')", where, key));
-  return found->get<Value>();
-}
-
-/// What goes on with a file; a shard among others has another way out.
-constexpr const char* go_on = "GRAPHSOLVE_SIMD={} goes on with it where the processor can, another file begins anew";
-
-/// Two headers that should be equal. advice: where the instruction sets differ; {} is the one that was found.
-void compare(const std::string& found, const std::string& wanted, const std::string& path, const char* advice = go_on) {
-  if (found == wanted) return;
-  const Json have = parse(found, path + ":1"), want = Json::parse(wanted);
-  for (const auto& [key, value] : want.items()) {
-    const Json other = have.value(key, Json());
-    if (other == value) continue;
-    if (key == "format") throw DescriptionError(fmt::format("{}: is not a file of a rollout", path));
-    if (key == "instruction_set" && other.is_string())
-      throw DescriptionError(fmt::format("{}: was computed by the instruction set {}, not {}, and last digits differ: {}", path,
-                                         other.get<std::string>(), value.get<std::string>(),
-                                         fmt::format(fmt::runtime(advice), other.get<std::string>())));
-    throw DescriptionError(fmt::format("{}: holds a rollout with {} {}, not {}", path, key, other.dump(), value.dump()));
-  }
-  throw DescriptionError(fmt::format("{}: its header says more than this program writes", path));
-}
-
-/// Reads complete lines only; `size` is where the last of them ends.
-struct Lines {
-  explicit Lines(const std::string& path) : in(path, std::ios::binary) {}
-  bool next(std::string& line) {
-    if (!std::getline(in, line) || in.eof()) return false;
-    size += line.size() + 1;
-    return true;
-  }
-  std::ifstream in;
-  std::uintmax_t size = 0;
-};
-
-/// Counts the records of a shard's file, which must be the copies in order. Returns the copy that is due.
-long long read_records(Lines& lines, long long first, const std::string& path, Tally& tally) {
-  std::string line;
-  for (long long copy = first;; ++copy) {
-    if (!lines.next(line)) return copy;
-    if (!line.starts_with(fmt::format("{{\"copy\":{},", copy)))
-      throw DescriptionError(fmt::format("{}:{}: is not the record of copy {}", path, copy - first + 2, copy));
-    const std::string where = fmt::format("{}:{}", path, copy - first + 2);
-    const Json record = parse(line, where);
-    tally.add({copy, get<int>(record, "steps", where), get<std::string>(record, "status", where),
-               record.contains("place") ? get<std::string>(record, "place", where) : ""});
-  }
-}
 
 }  // namespace
 
@@ -250,62 +188,6 @@ std::map<int, std::string> other_parts(const std::string& out, int count) {
     if (first.empty() || file < first) first = file;
   }
   return found;
-}
-
-Tally merge_rollouts(const std::vector<std::string>& parts, const std::string& out) {
-  struct Part {
-    std::string path;
-    Shard shard;
-  };
-  std::vector<Part> found;
-  Json common;
-  for (const std::string& path : parts) {
-    Lines lines(path);
-    std::string line;
-    if (!lines.in) throw DescriptionError(fmt::format("{}: cannot be read: {}", path, std::generic_category().message(errno)));
-    if (!lines.next(line)) throw DescriptionError(fmt::format("{}: is not a file of a rollout", path));
-    Json header = parse(line, path + ":1");
-    Shard shard;
-    if (std::sscanf(get<std::string>(header, "shard", path + ":1").c_str(), "%d/%d", &shard.index, &shard.count) != 2 || shard.index < 0 ||
-        shard.index >= shard.count)
-      throw DescriptionError(fmt::format("{}: is not a file of a rollout", path));
-    (void)get<std::string>(header, "instruction_set", path + ":1");
-    header["shard"] = "0/1";
-    if (found.empty()) common = header;
-    compare(header.dump(), common.dump(), path, "compute all shards by one, such as GRAPHSOLVE_SIMD=plain everywhere");
-    found.push_back({path, shard});
-  }
-  std::stable_sort(found.begin(), found.end(), [](const Part& a, const Part& b) { return a.shard.index < b.shard.index; });
-  const int count = found.empty() ? 0 : found.front().shard.count;
-  for (const Part& part : found)
-    if (part.shard.count != count)
-      throw DescriptionError(fmt::format("{}: is shard {}/{}, and {} is {}/{}", part.path, part.shard.index, part.shard.count,
-                                         found.front().path, found.front().shard.index, count));
-  for (std::size_t i = 1; i < found.size(); ++i)
-    if (found[i].shard.index == found[i - 1].shard.index)
-      throw DescriptionError(fmt::format("shard {}/{} is there twice: {} and {}", found[i].shard.index, count, found[i - 1].path,
-                                         found[i].path));
-  for (int i = 0; i < count; ++i)
-    if (i >= static_cast<int>(found.size()) || found[i].shard.index != i)
-      throw DescriptionError(fmt::format("shard {}/{} is missing", i, count));
-
-  const auto copies = get<long long>(common, "copies", found.front().path + ":1");
-  Tally tally;
-  std::ostringstream text;
-  text << common.dump() << '\n';
-  for (const Part& part : found) {
-    Lines lines(part.path);
-    std::string line;
-    lines.next(line);
-    const long long due = read_records(lines, part.shard.first(copies), part.path, tally);
-    if (due != part.shard.last(copies))
-      throw DescriptionError(fmt::format("{}: is not complete: copy {} is due", part.path, due));
-    Lines again(part.path);
-    again.next(line);
-    while (again.next(line)) text << line << '\n';
-  }
-  physics::write_text_file(text.str(), out);
-  return tally;
 }
 
 }  // namespace cli

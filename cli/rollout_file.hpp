@@ -85,7 +85,8 @@ std::optional<Tally> finished_rollout(const std::string& path, const RolloutRequ
 std::map<int, std::string> other_parts(const std::string& out, int count);
 
 /// Puts the files of all shards, in any order, into one with the bytes that a run without shards writes. Throws
-/// DescriptionError that names the file that is missing, double, incomplete or of another rollout.
+/// DescriptionError that names the file that is missing, double, incomplete or of another rollout, and when `out` is there
+/// and anything but a file of this rollout.
 Tally merge_rollouts(const std::vector<std::string>& parts, const std::string& out);
 
 }  // namespace cli

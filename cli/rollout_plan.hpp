@@ -15,6 +15,7 @@ namespace cli {
 struct RolloutOptions {
   std::string scene, out, shard;
   std::vector<std::string> vary, merge;
+  std::vector<std::string> given;  ///< names of the options that were
   std::optional<long long> copies;
   std::optional<int> steps;
   int threads = 1, lanes = physics::BatchRun{}.lanes;

@@ -252,4 +252,35 @@ TEST_F(Rollout, MergeNamesAShardThatIsMissingOrIncomplete) {
   EXPECT_FALSE(fs::exists(path("a")));
 }
 
+TEST_F(Rollout, MergeTakesNoOtherOptions) {
+  for (const char* shard : {"0", "1"})
+    ASSERT_EQ(run(work + " --shard " + shard + "/2 --out part" + shard), 0) << err_;
+  for (const std::string option : {"--copies", "--steps", "--seed", "--tolerance", "--threads", "--lanes"})
+    EXPECT_EQ(Program::refused("rollout --merge part0 part1 --out a " + option + " 3"),
+              "graphsolve: --merge takes files of shards and --out, no " + option + "\n");
+  EXPECT_NE(Program::refused("rollout --merge part0 part1 --out a --vary mass=1:2").find("no --vary\n"), std::string::npos);
+  EXPECT_NE(Program::refused("rollout --merge part0 part1 --out a --shard 0/2").find("no --shard\n"), std::string::npos);
+}
+
+TEST_F(Rollout, MergeOverwritesNothingButAFileOfTheSameRollout) {
+  for (const char* shard : {"0", "1"})
+    ASSERT_EQ(run(work + " --shard " + shard + "/2 --out part" + shard), 0) << err_;
+  ASSERT_EQ(run("disc --copies 2 --steps 3 --out other.jsonl"), 0) << err_;
+  write("letter.txt", "Dear all,\n");
+  write("word.txt", "Dear");
+  for (const std::string name : {"other.jsonl", "letter.txt", "word.txt"}) {
+    const std::string before = text(name);
+    EXPECT_EQ(Program::refused("rollout --merge part0 part1 --out " + name),
+              "graphsolve: '" + name + "' is there already and not a file of this rollout: give --out another name, or remove it\n");
+    EXPECT_EQ(text(name), before);
+  }
+  write("empty", "");
+  ASSERT_EQ(run("--merge part0 part1 --out empty"), 0) << err_;
+  const std::string merged = text("empty");
+  write("begun", merged.substr(0, merged.find("{\"copy\":3,")));
+  ASSERT_EQ(run("--merge part0 part1 --out begun"), 0) << err_;
+  EXPECT_EQ(text("begun"), merged);
+  ASSERT_EQ(run("--merge part0 part1 --out begun"), 0) << "again";
+}
+
 }  // namespace
