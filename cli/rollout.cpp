@@ -105,7 +105,8 @@ Part run_shard(const RolloutOptions& options, const RolloutRequest& request, con
   run.settings.tolerance = request.tolerance;
   run.on_result = [&](physics::CopyResult&& result) {
     if (file) file->add(rollout_record(request, result));
-    part.tally.add({result.copy, result.steps, std::string(graphsolve::name(result.last.status)), result.place});
+    part.tally.add({result.copy, result.steps, std::string(graphsolve::name(result.last.status)), result.place,
+                    result.start_correction});
     part.steps_now += result.steps;
     ++due;
     progress.update(static_cast<int>(due - first));

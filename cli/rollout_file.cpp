@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <filesystem>
@@ -70,6 +71,7 @@ std::string rollout_record(const RolloutRequest& request, const physics::CopyRes
   json["status"] = graphsolve::name(r.last.status);
   json["steps"] = r.steps;
   if (!r.ok()) json["place"] = r.place;
+  json["start_correction_m_per_s"] = r.start_correction;
   json["iterations"] = r.iterations;
   json["most_iterations"] = r.most_iterations;
   json["substepped_steps"] = r.substepped_steps;
@@ -94,6 +96,7 @@ std::string rollout_record(const RolloutRequest& request, const physics::CopyRes
 void Tally::add(const Outcome& outcome) {
   ++copies;
   steps += outcome.steps;
+  start_correction = std::max(start_correction, outcome.start_correction);
   ++statuses[outcome.status];
   if (outcome.status != "solved" && failures.size() < most_failures_named)
     failures.push_back(fmt::format("copy {}: step {} failed, {} at {}", outcome.copy, outcome.steps + 1, outcome.status,

@@ -38,11 +38,13 @@ struct Tally {
     long long copy;
     int steps;
     std::string status, place;
+    double start_correction;  ///< [m/s]
   };
   void add(const Outcome& outcome);
   [[nodiscard]] long long failed() const;
 
   long long copies = 0, steps = 0;
+  double start_correction = 0;  ///< largest [m/s]
   std::map<std::string, long long> statuses;  ///< of the last step of each copy
   std::vector<std::string> failures;          ///< sentences, the first few
 };

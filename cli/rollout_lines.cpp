@@ -38,7 +38,8 @@ long long read_records(Lines& lines, long long first, const std::string& path, T
     const std::string where = fmt::format("{}:{}", path, copy - first + 2);
     const Json record = parse(line, where);
     tally.add({copy, get<int>(record, "steps", where), get<std::string>(record, "status", where),
-               record.contains("place") ? get<std::string>(record, "place", where) : ""});
+               record.contains("place") ? get<std::string>(record, "place", where) : "",
+               get<double>(record, "start_correction_m_per_s", where)});
   }
 }
 

@@ -20,7 +20,9 @@ Json parse(const std::string& line, const std::string& where);
 template <class Value>
 Value get(const Json& json, const char* key, const std::string& where) {
   const auto found = json.find(key);
-  const bool fits = found != json.end() && (std::is_same_v<Value, std::string> ? found->is_string() : found->is_number_integer());
+  const bool fits = found != json.end() && (std::is_same_v<Value, std::string> ? found->is_string()
+                                            : std::is_same_v<Value, double>    ? found->is_number()
+                                                                               : found->is_number_integer());
   if (!fits) throw physics::DescriptionError(fmt::format("{}: is not a line of a rollout (its key '{}')", where, key));
   return found->get<Value>();
 }

@@ -38,6 +38,10 @@ void Processes::sum(std::vector<long long>& values) const {
   if (count_ > 1)
     MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_LONG_LONG, MPI_SUM, MPI_COMM_WORLD);
 }
+double Processes::largest(double value) const {
+  if (count_ > 1) MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+  return value;
+}
 std::vector<std::string> Processes::gather(const std::string& text) const {
   if (count_ == 1) return {text};
   const int size = static_cast<int>(text.size());
@@ -64,6 +68,7 @@ Processes::Processes() {
 }
 Processes::~Processes() = default;
 void Processes::sum(std::vector<long long>&) const {}
+double Processes::largest(double value) const { return value; }
 std::vector<std::string> Processes::gather(const std::string& text) const { return {text}; }
 void Processes::abort(int) const {}
 

@@ -19,6 +19,8 @@ class Processes {
   [[nodiscard]] int count() const { return count_; }
   /// Entrywise sums over all processes, which all have to call this; equal lengths.
   void sum(std::vector<long long>& values) const;
+  /// Of the values of all processes, which all have to call this.
+  [[nodiscard]] double largest(double value) const;
   /// Texts of all processes in their order, for the first; nothing for the others. All have to call this.
   [[nodiscard]] std::vector<std::string> gather(const std::string& text) const;
   /// Ends all processes with this exit code; returns when there is only one.

@@ -48,6 +48,7 @@ void sum(const Processes& processes, Part& part) {
   part.signal = values[6] > 0 ? SIGTERM : values[5] > 0 ? SIGINT : 0;
   for (std::size_t i = 0; i < std::size(statuses); ++i)
     part.tally.statuses[std::string(name(statuses[i]))] = values[counted + i];
+  part.tally.start_correction = processes.largest(part.tally.start_correction);
   part.tally.failures = gather_failures(processes, part.tally.failures);
 }
 
@@ -74,6 +75,8 @@ void print_summary(const Summary& s) {
   line("rollout", fmt::format("{}: {} copies of {} steps{}", s.request.scene, s.request.copies, s.request.steps,
                               s.shard.count > 1 ? fmt::format(", shard {}/{}", s.shard.index, s.shard.count) : ""));
   line("outcomes", statuses_text(s.part.tally));
+  if (s.part.tally.start_correction > 0)
+    line("start correction", fmt::format("up to {:.3g} m/s, to agree with the joints", s.part.tally.start_correction));
   const long long due = s.shard.last(s.request.copies) - s.shard.first(s.request.copies) - s.part.tally.copies;
   if (due > 0) line("not done yet", fmt::format("{} copies", due));
   if (s.part.copies_before) line("done before", fmt::format("{} copies", s.part.copies_before));

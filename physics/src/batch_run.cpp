@@ -98,6 +98,7 @@ class Worker {
     batch_.load(lane, run_.make(copy));
     CopyResult& result = results_[lane].emplace();
     result.copy = copy;
+    result.start_correction = batch_.start_correction(lane);
     result.energy_start = batch_.energy(lane);
     result.smallest_distance = batch_.smallest_distance(lane);
   }

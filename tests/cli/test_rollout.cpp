@@ -2,12 +2,16 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "graphsolve/simd/lanes.hpp"
+#include "physics/batch_variation.hpp"
+#include "physics/simulator.hpp"
 #include "rollout_program.hpp"
 
 // `graphsolve rollout`: the same bytes for any threads, lanes and shards, and after a kill.
@@ -250,6 +254,28 @@ TEST_F(Rollout, MergeNamesAShardThatIsMissingOrIncomplete) {
   EXPECT_EQ(run("--merge part0 part1 --out a"), 2);
   EXPECT_EQ(err_, "graphsolve: part1: is not complete: copy 22 is due\n");
   EXPECT_FALSE(fs::exists(path("a")));
+}
+
+TEST_F(Rollout, StartsThatTheJointsCorrectAreRecordedAndTheLargestIsPrinted) {
+  const std::string command = "snake:n=3 --copies 3 --steps 2 --vary 'start.link 1.velocity.x=1:2' --out a.jsonl";
+  ASSERT_EQ(run(command), 0) << err_;
+  double largest = 0;
+  for (int copy = 0; copy < 3; ++copy) {
+    // What `simulate` says of this scene.
+    physics::Mechanism scene = physics::built_in_scene("snake:n=3");
+    physics::set_value(scene, "start.link 1.velocity.x", lines("a.jsonl")[copy + 1]["vary"]["start.link 1.velocity.x"]);
+    const double expected = physics::Simulator(scene).start_correction();
+    ASSERT_GT(expected, 0.1);
+    EXPECT_EQ(lines("a.jsonl")[copy + 1]["start_correction_m_per_s"], expected);
+    largest = std::max(largest, expected);
+  }
+  char sentence[100];
+  std::snprintf(sentence, sizeof sentence, "start correction       up to %.3g m/s, to agree with the joints\n", largest);
+  EXPECT_NE(out_.find(sentence), std::string::npos) << out_;
+  ASSERT_EQ(run(command), 0) << "read from the file";
+  EXPECT_NE(out_.find(sentence), std::string::npos) << out_;
+  ASSERT_EQ(run("snake:n=3 --copies 3 --steps 2 --vary start.velocity.x=1:2"), 0) << err_;
+  EXPECT_EQ(out_.find("start correction"), std::string::npos) << "all move alike, so the joints agree: " << out_;
 }
 
 TEST_F(Rollout, MergeTakesNoOtherOptions) {

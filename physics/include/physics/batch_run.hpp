@@ -18,6 +18,7 @@ struct CopyResult {
   long long iterations = 0;
   int most_iterations = 0;                       ///< in one step
   int substepped_steps = 0, restarted_steps = 0, turned_steps = 0;  ///< as in RunSummary
+  double start_correction = 0;   ///< that made the start velocities agree with the joints [m/s]; 0 when they did
   double residual = 0;           ///< largest [m/s]
   double smallest_distance = 0;  ///< over all contacts and states, start included [m]; +inf without contacts
   double joint_error = 0;        ///< at the end [m, rad]

@@ -55,6 +55,7 @@ class BatchSimulator {
   [[nodiscard]] double smallest_distance_before(int lane) const;
   [[nodiscard]] double largest_joint_error(int lane) const;
   [[nodiscard]] double energy(int lane) const;
+  [[nodiscard]] double start_correction(int lane) const;
   [[nodiscard]] Vec3 linear_momentum(int lane) const;
   [[nodiscard]] Vec3 angular_momentum(int lane) const;
 
