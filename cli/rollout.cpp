@@ -41,6 +41,8 @@ Keys of --vary, each drawn evenly for each copy:
   start.position.x, start.velocity.x                                     added to all bodies [m, m/s]
   start.BODY.position.x, start.BODY.velocity.x, start.BODY.angular_velocity.x     of one body
   (x, y or z)
+Keys apply in the order given: mass scales, and start.position and start.velocity without BODY add to, what is there by
+then; all others replace it. So --vary mass=2:2 --vary disc.mass=5:5 makes the disc 5 kg; the other way round it is 10 kg.
 
 The file has one line of JSON per copy. Its bytes do not depend on threads, lanes or shards. The same command goes on
 where a killed one stopped. See docs/rollouts.md.

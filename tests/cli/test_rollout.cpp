@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -276,6 +277,22 @@ TEST_F(Rollout, StartsThatTheJointsCorrectAreRecordedAndTheLargestIsPrinted) {
   EXPECT_NE(out_.find(sentence), std::string::npos) << out_;
   ASSERT_EQ(run("snake:n=3 --copies 3 --steps 2 --vary start.velocity.x=1:2"), 0) << err_;
   EXPECT_EQ(out_.find("start correction"), std::string::npos) << "all move alike, so the joints agree: " << out_;
+}
+
+TEST_F(Rollout, KeysApplyInTheOrderGiven) {
+  const auto start_energy = [&](const std::string& keys) {
+    fs::remove(path("a.jsonl"));
+    EXPECT_EQ(run("disc --copies 1 --steps 1 --out a.jsonl " + keys), 0) << err_;
+    return lines("a.jsonl")[1]["energy_J"]["start"].get<double>();
+  };
+  const double five = start_energy("--vary disc.mass=5:5"), ten = start_energy("--vary disc.mass=10:10");
+  ASSERT_GT(std::abs(ten - five), 1e-3 * std::abs(ten));
+  EXPECT_NEAR(start_energy("--vary mass=2:2 --vary disc.mass=5:5"), five, 1e-12 * std::abs(five));
+  EXPECT_NEAR(start_energy("--vary disc.mass=5:5 --vary mass=2:2"), ten, 1e-12 * std::abs(ten));
+  const double fast = start_energy("--vary start.disc.velocity.x=3:3"), faster = start_energy("--vary start.disc.velocity.x=4:4");
+  ASSERT_GT(std::abs(faster - fast), 1e-3 * std::abs(fast));
+  EXPECT_NEAR(start_energy("--vary start.velocity.x=1:1 --vary start.disc.velocity.x=3:3"), fast, 1e-12 * std::abs(fast));
+  EXPECT_NEAR(start_energy("--vary start.disc.velocity.x=3:3 --vary start.velocity.x=1:1"), faster, 1e-12 * std::abs(faster));
 }
 
 TEST_F(Rollout, MergeTakesNoOtherOptions) {
