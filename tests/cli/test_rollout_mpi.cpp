@@ -68,6 +68,11 @@ TEST_F(RolloutMpi, AnExceptionOfTheLibraryInOneProcessEndsAll) {
   EXPECT_FALSE(fs::exists(path("a.jsonl")));
 }
 
+TEST_F(RolloutMpi, OneProcessWithTooLittleMemoryEndsAllAmidTheWork) {
+  EXPECT_EQ(mpirun("snake:n=3000 --copies 32 --steps 1 --out a.jsonl", in_process_1_ + "ulimit -v 300000;"), 2);
+  EXPECT_TRUE(says("graphsolve: process 1 of 2: not enough memory for this scene or matrix\n")) << err_;
+}
+
 TEST_F(RolloutMpi, ProcessesOfDifferentInstructionSetsDoNotBegin) {
   if (graphsolve::simd::instruction_sets().size() < 2) GTEST_SKIP() << "this machine has one instruction set";
   EXPECT_EQ(mpirun(work + " --out a.jsonl", "export GRAPHSOLVE_SIMD=avx2;" + in_process_1_ + "export GRAPHSOLVE_SIMD=plain;"), 2);
