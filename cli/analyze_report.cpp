@@ -124,7 +124,7 @@ std::string for_people(const AnalyzeReport& report) {
                       "largest front", "memory", "repairs", "forced", "ordering ms", "symbolic ms"});
   for (const auto& row : report.rows) {
     const auto& c = row.symbolic->counts();
-    table.add({std::string(name(row.method)), fmt::format("{}", c.fill_blocks), fmt::format("{}", fill_scalars(*row.symbolic)),
+    table.add({row.label(), fmt::format("{}", c.fill_blocks), fmt::format("{}", fill_scalars(*row.symbolic)),
                fmt::format("{:.2f}", io::fill_ratio(*row.symbolic)), number(static_cast<double>(c.operations), 4),
                fmt::format("{}", c.tree_height), fmt::format("{}", c.largest_front), bytes(c.memory),
                fmt::format("{}", row.ordering.repairs), fmt::format("{}", row.ordering.forced),
@@ -168,6 +168,7 @@ std::string as_json(const AnalyzeReport& report) {
   for (const auto& row : report.rows) {
     const auto& c = row.symbolic->counts();
     orderings.push_back({{"ordering", name(row.method)},
+                         {"taken", name(row.ordering.method)},
                          {"fill_blocks", c.fill_blocks},
                          {"fill_scalars", fill_scalars(*row.symbolic)},
                          {"fill_ratio", io::fill_ratio(*row.symbolic)},

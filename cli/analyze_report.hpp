@@ -22,6 +22,12 @@ struct AnalyzeReport {
     graphsolve::Ordering ordering;
     std::shared_ptr<const graphsolve::Symbolic> symbolic;
     double ordering_seconds = 0, symbolic_seconds = 0;  ///< CPU time of this thread
+    /// What was asked for, and what it took where it chooses.
+    [[nodiscard]] std::string label() const {
+      std::string text(graphsolve::name(method));
+      if (ordering.method != method) text += " (" + std::string(graphsolve::name(ordering.method)) + ")";
+      return text;
+    }
   };
 
   std::string source;       ///< as named on the command line

@@ -215,6 +215,20 @@ TEST_F(MatrixCommand, UnitsFarApartDoNotMakeAMatrixSingular) {
   EXPECT_EQ(outcome.err.find("singular"), std::string::npos) << outcome.err;
 }
 
+TEST_F(MatrixCommand, AnalyzeSaysWhichOrderingBestTook) {
+  write("a.mtx", 3, {{0, 0, 1}, {1, 1, 1}, {2, 2, 1}, {0, 1, 1}, {1, 0, 1}});
+  const Outcome outcome = run("analyze a.mtx --ordering best");
+  EXPECT_NE(outcome.out.find("best (minimum-fill)"), std::string::npos) << outcome.out;
+}
+
+TEST_F(MatrixCommand, ANumberTooLargeInABlockMapIsNamed) {
+  write("a.mtx", 1, {{0, 0, 1}});
+  write("map.json", "[1e999]");
+  const Outcome outcome = run("analyze a.mtx --blocks map.json");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_NE(outcome.err.find("map.json:1: a number is too large"), std::string::npos) << outcome.err;
+}
+
 TEST_F(MatrixCommand, OfASingularSystemWithSolutionsOneIsTakenOnDemand) {
   write("a.mtx", 4, saddle(true));
   const Outcome refused = run("solve a.mtx --out x.mtx");

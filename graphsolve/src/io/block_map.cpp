@@ -214,6 +214,8 @@ BlockMap parse_block_map(std::string_view text, std::string_view name) {
     if (!json) reader.fail("", "this is neither JSON nor a list of block sizes");
     const std::string_view before = text.substr(0, std::min(error.byte, text.size()));
     throw FileError(name, 1 + std::ranges::count(before, '\n'), "this is no JSON: syntax error");
+  } catch (const nlohmann::json::out_of_range&) {
+    throw FileError(name, 1, "a number is too large");
   }
 }
 
