@@ -71,6 +71,9 @@ std::string time_text(const RunSummary& s) {
                      p.finish * scale);
 }
 
+/// Does a contact of the scene begin inside its plane, by more than rounding?
+bool starts_inside(const RunSummary& s) { return s.distance.step == 0 && s.distance.value < -1e-6; }
+
 /// Nothing but motors and loads can add energy. The integrator does where bodies turn by a large part of a turn in a step.
 std::string energy_text(const RunSummary& s, const physics::Mechanism& scene) {
   std::string out = fmt::format("{:.6g} J -> {:.6g} J (change {:.3g} J)", s.energy_start, s.energy_end,
@@ -82,7 +85,8 @@ std::string energy_text(const RunSummary& s, const physics::Mechanism& scene) {
   // Half a kick at the start, and a fall of a millimetre, are no gain.
   const double noise = 0.01 * std::max(std::abs(s.energy_start), std::abs(s.energy_end)) + mass * (kick * kick + 1e-3 * g);
   if (!driven && s.energy_end - s.energy_start > noise)
-    out += "; gained without motor or load: bodies turn too far in a step, try a shorter time step";
+    out += starts_inside(s) ? "; gained where the first step threw out what began inside a plane"
+                            : "; gained without motor or load: bodies turn too far in a step, try a shorter time step";
   return out;
 }
 
@@ -104,7 +108,8 @@ std::string for_people(const Report& report) {
        fmt::format("{:.3g} m/s, step {}{}", s.residual.value, s.residual.step,
                    s.residual.value > report.tolerance ? "; above the tolerance: rounding this far from the origin" : ""));
   if (!scene.contacts.empty())
-    line(out, "smallest distance", fmt::format("{:.3g} m, step {}", s.distance.value, s.distance.step));
+    line(out, "smallest distance", fmt::format("{:.3g} m, step {}{}", s.distance.value, s.distance.step,
+         starts_inside(s) ? ": the scene begins inside a plane, and the first step throws it out" : ""));
   if (!scene.joints.empty())
     line(out, "largest joint error", fmt::format("{:.3g} m or rad, step {}", s.joint_error.value, s.joint_error.step));
   line(out, "energy", energy_text(s, scene));

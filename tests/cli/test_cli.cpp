@@ -151,6 +151,16 @@ TEST_F(Cli, TakesAnotherTimeStepAndFrictionModel) {
   EXPECT_EQ(trajectory.mechanism.contacts[0].friction_model, physics::FrictionModel::pyramid);
 }
 
+TEST_F(Cli, AStartInsideAPlaneIsSaid) {
+  write("deep.toml", "format = \"graphsolve-scene\"\nversion = 1\ntime_step = 0.01\n[[bodies]]\nname = \"b\"\nmass = 1\n"
+                     "shape = {type = \"sphere\", radius = 0.1}\nposition = [0, 0, -0.5]\n"
+                     "[[contacts]]\nname = \"c\"\nbody = \"b\"\nradius = 0.1\n");
+  const Outcome outcome = run("simulate deep.toml --steps 3");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("the scene begins inside a plane"), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find("shorter time step"), std::string::npos) << outcome.out;
+}
+
 TEST_F(Cli, AStepThatFailsGivesCodeOneAndKeepsTheTrajectorySoFar) {
   write("spin.toml", failing_scene);
   const Outcome outcome = run("simulate spin.toml --steps 20 --out t.json --summary s.json");
