@@ -67,15 +67,16 @@ void expect_agreement(const Mechanism& scene, int steps, double tolerance) {
   for (const int row : {0, 1}) {
     const Gradient tape = by_tape(scene, steps, row);
     const double scale = tolerance * steps * scene.time_step;
+    const auto by = [&](const std::function<void(Mechanism&, double)>& change) { return difference(scene, steps, row, change); };
     for (const int axis : {0, 1})
-      EXPECT_NEAR(tape.velocity[axis], difference(scene, steps, row, [&](Mechanism& m, double h) { m.bodies[0].velocity[axis] += h; }), scale)
+      EXPECT_NEAR(tape.velocity[axis], by([&](Mechanism& m, double h) { m.bodies[0].velocity[axis] += h; }), scale)
           << scene.name << ", row " << row << " by velocity " << axis;
-    EXPECT_NEAR(tape.spin.z(), difference(scene, steps, row, [](Mechanism& m, double h) { m.bodies[0].angular_velocity.z() += h; }), scale)
+    EXPECT_NEAR(tape.spin.z(), by([](Mechanism& m, double h) { m.bodies[0].angular_velocity.z() += h; }), scale)
         << scene.name << ", row " << row << " by spin";
     const auto rougher = [](Mechanism& m, double h) {
       for (Contact& contact : m.contacts) *contact.friction += h;
     };
-    EXPECT_NEAR(tape.friction, difference(scene, steps, row, rougher), scale) << scene.name << ", row " << row << " by friction";
+    EXPECT_NEAR(tape.friction, by(rougher), scale) << scene.name << ", row " << row << " by friction";
   }
 }
 

@@ -249,58 +249,6 @@ HWY_INLINE void product_lower(const double* l, const double* w, int rows, int d,
   for (int c = 0; c < rows; ++c) product<D, 1, L>(l, w + c * d * L, rows, d, c, c * rows, f);
 }
 
-/// The halves on the diagonal of a block.
-template <int D, int L>
-struct Halves {
-  static_assert(D % 2 == 0);
-  static constexpr int half = D / 2;
-  PackOf<L> first[half * half], second[half * half];
-};
-
-/// Takes the halves out of a block if nothing couples them, in any lane. NaN couples.
-template <int D, int L>
-HWY_INLINE bool halves_apart(const PackOf<L>* a, Halves<D, L>& halves) {
-  constexpr int half = D / 2;
-  PackOf<L> below(0.0), right(0.0);
-#pragma GCC unroll 6
-  for (int c = 0; c < half; ++c)
-#pragma GCC unroll 6
-    for (int r = half; r < D; ++r) {
-      below += abs(a[c * D + r]);
-      right += abs(a[r * D + c]);
-    }
-  if (bits(below + right <= PackOf<L>(0.0)) != all_lanes<L>) return false;
-#pragma GCC unroll 6
-  for (int c = 0; c < half; ++c)
-#pragma GCC unroll 6
-    for (int r = 0; r < half; ++r) {
-      halves.first[c * half + r] = a[c * D + r];
-      halves.second[c * half + r] = a[(half + c) * D + half + r];
-    }
-  return true;
-}
-
-template <int D, int L>
-HWY_INLINE void store_halves(const Halves<D, L>& halves, double* to) {
-  constexpr int half = D / 2;
-#pragma GCC unroll 6
-  for (int c = 0; c < half; ++c)
-#pragma GCC unroll 6
-    for (int r = 0; r < half; ++r) {
-      store(halves.first[c * half + r], to + (c * D + r) * L);
-      store(halves.second[c * half + r], to + ((half + c) * D + half + r) * L);
-    }
-}
-
-template <int D, int L>
-HWY_INLINE void solve_all_halves(const Halves<D, L>& lu, double* w, int columns) {
-  constexpr int half = D / 2;
-  for (int c = 0; c < 2 * columns; c += 2) {
-    solve_in_place<half, 1>(lu.first, w + c * half * L, half);
-    solve_in_place<half, 1>(lu.second, w + (c + 1) * half * L, half);
-  }
-}
-
 /// function<D, L>(...) with the usual dimensions as constants.
 #define GRAPHSOLVE_BY_DIMENSION(L, d, function, ...)  \
   switch (d) {                                        \

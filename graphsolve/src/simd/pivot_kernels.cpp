@@ -9,6 +9,7 @@
 // Compiles the rest of this file once per instruction set.
 #include <hwy/foreach_target.h>
 
+#include "simd/halves-inl.hpp"
 #include "simd/pack_dense-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();

@@ -1,0 +1,146 @@
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "matrix_command.hpp"
+
+// `solve` as a shell sees it.
+
+namespace {
+
+using namespace matrix_command;
+
+class SolveCommand : public MatrixCommand {};
+
+TEST_F(SolveCommand, SolveFindsOnesAndWritesThemBitForBit) {
+  write("a.mtx", 20, line(20, Shape::ring));
+  const Outcome outcome = run("solve a.mtx --out x.mtx");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("cholesky"), std::string::npos);
+  EXPECT_NE(outcome.out.find("20 0 0"), std::string::npos) << outcome.out;
+  const io::DenseMatrix x = io::read_dense_matrix_market((folder_ / "x.mtx").string());
+  ASSERT_EQ(x.rows, 20);
+  for (const double value : x.value) EXPECT_NEAR(value, 1, 1e-14);
+}
+
+TEST_F(SolveCommand, SolveTakesSeveralRightHandSidesAndEveryFactorization) {
+  write("a.mtx", 6, line(6, Shape::ring));
+  const SparseMatrix a = io::read_matrix_market((folder_ / "a.mtx").string()).matrix;
+  const std::vector<double> expected{1, 2, 3, 4, 5, 6, -1, 0, 1, 0, -1, 7};
+  std::vector<double> b(12);
+  for (const std::size_t c : {0u, 1u}) graphsolve::multiply(a, std::span(expected).subspan(6 * c, 6), std::span(b).subspan(6 * c, 6));
+  write("b.mtx", io::matrix_market(b, 6));
+  for (const char* kind : {"ldu", "ldlt", "cholesky", "auto"}) {
+    const Outcome outcome = run(std::string("solve a.mtx b.mtx --out x.mtx --factorization ") + kind);
+    EXPECT_EQ(outcome.code, 0) << kind << outcome.err;
+    const io::DenseMatrix x = io::read_dense_matrix_market((folder_ / "x.mtx").string());
+    ASSERT_EQ(x.value.size(), 12u);
+    for (std::size_t k = 0; k < 12; ++k) EXPECT_NEAR(x.value[k], expected[k], 1e-13) << kind;
+  }
+}
+
+TEST_F(SolveCommand, SolveReportsTheInertiaOfASaddleSystem) {
+  write("a.mtx", 4, saddle(false));
+  const Outcome outcome = run("solve a.mtx");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("2 2 0"), std::string::npos) << outcome.out;
+}
+
+TEST_F(SolveCommand, SolveNamesTheBlocksOfASingularMatrixAndExitsWithOne) {
+  write("a.mtx", 4, saddle(true));
+  const Outcome twice = run("solve a.mtx --out x.mtx");
+  EXPECT_EQ(twice.code, 1) << twice.out << twice.err;
+  EXPECT_NE(twice.err.find("a.mtx: the matrix is singular"), std::string::npos) << twice.err;
+  EXPECT_NE(twice.err.find("rows 3-4"), std::string::npos) << twice.err;
+  EXPECT_FALSE(fs::exists(folder_ / "x.mtx"));
+  write("zero.mtx", 3, {{0, 0, 1}, {1, 1, 1}, {2, 2, 0}});
+  const Outcome zero = run("solve zero.mtx");
+  EXPECT_EQ(zero.code, 1) << zero.out;
+  EXPECT_NE(zero.err.find("graphsolve: row 3 has no entry\n"), std::string::npos) << zero.err;
+  // Two equal rows that no zero on the diagonal gives away.
+  write("equal.mtx", 3, {{0, 0, 1}, {0, 1, 1}, {1, 0, 1}, {1, 1, 1}, {2, 2, 1}, {1, 2, 1}, {2, 1, 1}, {0, 2, 1}, {2, 0, 1}});
+  EXPECT_EQ(run("solve equal.mtx").code, 1);
+  // Whoever is asked to factor it: the chain that stands in for cholesky solves it for this right-hand side.
+  write("one.mtx", 2, {{0, 0, 1}, {0, 1, 2}, {1, 0, 2}, {1, 1, 4}});
+  for (const char* kind : {"auto", "ldu", "ldlt", "cholesky"})
+    for (const char* file : {"a.mtx", "equal.mtx", "one.mtx"}) {
+      const Outcome outcome = run("solve " + std::string(file) + " --factorization " + kind);
+      EXPECT_EQ(outcome.code, 1) << file << " by " << kind << outcome.out;
+      EXPECT_NE(outcome.err.find("the matrix is singular"), std::string::npos) << outcome.err;
+    }
+}
+
+// Regular once rows and columns are scaled (condition 9), though a pivot is boosted on the way.
+TEST_F(SolveCommand, UnitsFarApartDoNotMakeAMatrixSingular) {
+  write("a.mtx", 4, {{0, 0, 1}, {1, 1, 2}, {2, 2, -1}, {3, 3, -1e18}, {2, 0, -1}, {0, 2, -1}, {3, 0, 2e9}, {0, 3, 2e9},
+                     {2, 1, 3e-9}, {1, 2, 3e-9}, {3, 1, -1}, {1, 3, -1}, {3, 2, 1e9}, {2, 3, 1e9}});
+  const Outcome outcome = run("solve a.mtx --factorization ldlt");
+  EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+  EXPECT_EQ(outcome.err.find("singular"), std::string::npos) << outcome.err;
+}
+
+TEST_F(SolveCommand, OfASingularSystemWithSolutionsOneIsTakenOnDemand) {
+  write("a.mtx", 4, saddle(true));
+  const Outcome refused = run("solve a.mtx --out x.mtx");
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_NE(refused.err.find("--accept-singular takes one"), std::string::npos) << refused.err;
+  const Outcome taken = run("solve a.mtx --out x.mtx --accept-singular");
+  EXPECT_EQ(taken.code, 0) << taken.err;
+  EXPECT_NE(taken.err.find("a.mtx: the matrix is singular"), std::string::npos) << taken.err;
+  EXPECT_TRUE(fs::exists(folder_ / "x.mtx"));
+  // No x solves 0 x3 = 1.
+  write("zero.mtx", 3, {{0, 0, 1}, {1, 1, 1}, {2, 2, 0}});
+  std::ofstream(folder_ / "b.mtx") << "%%MatrixMarket matrix array real general\n3 1\n1\n1\n1\n";
+  EXPECT_EQ(run("solve zero.mtx b.mtx --accept-singular").code, 1);
+}
+
+// The constant vector solves A v = 0; what rounding leaves of the last pivot is as often positive as not. Wide units do
+// not make the same network singular once one node is held.
+TEST_F(SolveCommand, ANetworkThatNothingHoldsIsSingularWhateverRoundingMakesOfIt) {
+  for (int seed = 1; seed <= 10; ++seed) {
+    const int n = 30;
+    std::vector<double> diagonal(n, 0.0);
+    std::vector<graphsolve::Triplet> entries;
+    const auto connect = [&](int i, int j) {
+      const double conductance = 1 + 0.7 * std::sin(1.3 * i + 0.37 * j * seed);
+      entries.push_back({i, j, -conductance});
+      entries.push_back({j, i, -conductance});
+      diagonal[i] += conductance;
+      diagonal[j] += conductance;
+    };
+    for (int i = 0; i < n; ++i) connect(i, (i + 1) % n), connect(i, (i + 7) % n);
+    for (int i = 0; i < n; ++i) entries.push_back({i, i, diagonal[i]});
+    write("free.mtx", n, entries);
+    const Outcome outcome = run("solve free.mtx");
+    EXPECT_EQ(outcome.code, 1) << seed << outcome.out;
+    EXPECT_NE(outcome.err.find("free.mtx: the matrix is singular"), std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.out.find("good"), std::string::npos) << outcome.out;
+    entries.back().value += 1;
+    const auto unit = [&](int i) { return std::pow(10.0, 12 * std::sin(2.0 * i)); };
+    for (auto& entry : entries) entry.value *= unit(entry.row) * unit(entry.column);
+    write("held.mtx", n, entries);
+    EXPECT_EQ(run("solve held.mtx").code, 0) << seed;
+  }
+}
+
+TEST_F(SolveCommand, WhatCholeskyCannotDoLdltDoesAndBothAreReported) {
+  write("a.mtx", 2, {{0, 0, 1}, {1, 1, 1}, {0, 1, 2}, {1, 0, 2}});
+  write("sizes.txt", "1 1\n");
+  const Outcome outcome = run("solve a.mtx --blocks sizes.txt");
+  EXPECT_EQ(outcome.code, 0) << outcome.err << outcome.out;
+  EXPECT_NE(outcome.out.find("cholesky: not positive definite at block"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("1 1 0"), std::string::npos) << outcome.out;
+}
+
+TEST_F(SolveCommand, BlocksWronglyCalledRegularAreSolvedByTheRobustChainAloud) {
+  write("a.mtx", 3, {{0, 1, 1}, {1, 2, 1}, {2, 0, 1}});
+  const std::string block = R"({"dimension": 1, "kind": "regular"})";
+  write("map.json", R"({"format": "graphsolve-blocks", "version": 1, "blocks": [)" + block + "," + block + "," + block + "]}");
+  const Outcome outcome = run("solve a.mtx --blocks map.json");
+  EXPECT_EQ(outcome.code, 0) << outcome.err << outcome.out;
+  EXPECT_NE(outcome.out.find("ldu: singular pivot at block"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("robust: "), std::string::npos) << outcome.out;
+}
+
+}  // namespace
