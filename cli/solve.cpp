@@ -71,22 +71,36 @@ std::string note_of(const SolveResult& result, const Attempt& attempt) {
   return last ? "failed" : "next";
 }
 
+/// Signs of boosted pivots are not known: they are no zeros.
+std::string inertia_text(const Factorization::Outcome& o) {
+  if (o.inertia == Inertia{}) return "-";
+  const std::string text = fmt::format("{} {} {}", o.inertia.positive, o.inertia.negative, o.inertia.zero - o.boosts);
+  return o.boosts == 0 ? text : fmt::format("{} ({}?)", text, o.boosts);
+}
+
+std::string inertia_sentence(const Factorization::Outcome& o) {
+  if (o.inertia == Inertia{} || o.boosts == 0) return "";
+  return fmt::format("inertia: at least {} positive, at least {} negative; {} without size of its own was boosted, its sign "
+                     "is not known",
+                     o.inertia.positive, o.inertia.negative,
+                     o.boosts == 1 ? "one pivot" : fmt::format("each of {} pivots", o.boosts));
+}
+
 std::string attempts_text(const SolveResult& result) {
   study::Table table({"factorization", "normwise", "componentwise", "growth", "boosts", "dropped", "inertia (+ - 0)",
                       "sweeps", "setup ms", "factor ms", "solve ms", "note"});
   for (const Attempt& a : result.attempts) {
     const auto& o = a.outcome;
-    const bool counted = o.inertia != Inertia{};
     table.add({a.method, scientific(a.error.normwise), scientific(a.error.componentwise),
                o.growth > 0 ? number(o.growth) : "-", fmt::format("{}", o.boosts),
                fmt::format("{}", o.dropped_rows),
-               counted ? fmt::format("{} {} {}", o.inertia.positive, o.inertia.negative, o.inertia.zero) : "-",
+               inertia_text(o),
                fmt::format("{}", a.sweeps), number(1e3 * a.setup_seconds), number(1e3 * a.factor_seconds),
                number(1e3 * a.solve_seconds), note_of(result, a)});
   }
   std::string text = table.text() + "\n";
   for (const Attempt& a : result.attempts)
-    for (const std::string& sentence : {a.trouble, a.reason})
+    for (const std::string& sentence : {inertia_sentence(a.outcome), a.trouble, a.reason})
       if (!sentence.empty()) text += fmt::format("{}: {}\n", a.method, sentence);
   return text;
 }

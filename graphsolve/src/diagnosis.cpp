@@ -115,6 +115,7 @@ Diagnosis diagnose(const BlockGraph& graph, const Factorization& f, const Factor
   } else {
     result.redundant = find_redundant(graph, f);
     if (f.kind() != FactorizationKind::ldu) result.inertia = outcome.inertia;
+    result.boosts = outcome.boosts;
   }
   const Eigen::SparseMatrix<double> a = sparse_matrix(f.symbolic(), f.matrix());
   find_zero_rows(graph, a, result);

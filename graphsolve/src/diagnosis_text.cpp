@@ -30,6 +30,16 @@ std::string near_null_line(const Diagnosis& d) {
   return text + "\n";
 }
 
+/// A boosted pivot had no size, and whether it hides a zero is not known. Each changed the matrix by a rank of one with a
+/// sign, so that the others are bounds.
+std::string inertia_line(const Diagnosis& d) {
+  const std::string at_least = d.boosts > 0 ? "at least " : "";
+  std::string text = "inertia: " + at_least + std::to_string(d.inertia->positive) + " positive, " + at_least +
+                     std::to_string(d.inertia->negative) + " negative, " + std::to_string(d.inertia->zero - d.boosts) + " zero";
+  if (d.boosts > 0) text += ", " + std::to_string(d.boosts) + " not known (pivots without size of their own, boosted)";
+  return text + "\n";
+}
+
 }  // namespace
 
 std::string to_string(const Diagnosis& d) {
@@ -54,9 +64,7 @@ std::string to_string(const Diagnosis& d) {
   if (d.structural_rank < d.rows)
     text += "structural rank " + std::to_string(d.structural_rank) + " of " + std::to_string(d.rows) +
             ": singular whatever the values\n";
-  if (d.inertia)
-    text += "inertia: " + std::to_string(d.inertia->positive) + " positive, " + std::to_string(d.inertia->negative) +
-            " negative, " + std::to_string(d.inertia->zero) + " zero\n";
+  if (d.inertia) text += inertia_line(d);
   if (!d.near_null.empty()) text += near_null_line(d);
   return text;
 }

@@ -13,6 +13,9 @@ using namespace matrix_command;
 
 class SolveCommand : public MatrixCommand {};
 
+const std::string three_regular_rows = R"({"format": "graphsolve-blocks", "version": 1, "blocks": [
+  {"dimension": 1, "kind": "regular"}, {"dimension": 1, "kind": "regular"}, {"dimension": 1, "kind": "regular"}]})";
+
 TEST_F(SolveCommand, SolveFindsOnesAndWritesThemBitForBit) {
   write("a.mtx", 20, line(20, Shape::ring));
   const Outcome outcome = run("solve a.mtx --out x.mtx");
@@ -80,6 +83,21 @@ TEST_F(SolveCommand, UnitsFarApartDoNotMakeAMatrixSingular) {
   EXPECT_EQ(outcome.err.find("singular"), std::string::npos) << outcome.err;
 }
 
+/// Regular, 2 positive eigenvalues and 1 negative, but in this order a pivot has no size of its own: no eigenvalue is zero.
+TEST_F(SolveCommand, SignsOfBoostedPivotsAreNotKnownAndNotCalledZero) {
+  write("a.mtx", 3, {{1, 1, 3}, {2, 2, 1}, {0, 1, 1}, {1, 0, 1}, {0, 2, 1}, {2, 0, 1}});
+  write("map.json", three_regular_rows);
+  const Outcome outcome = run("solve a.mtx --blocks map.json --factorization ldlt --ordering natural");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("  1 1 0 (1?)  "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("ldlt: inertia: at least 1 positive, at least 1 negative; one pivot without size of its own was "
+                             "boosted, its sign is not known\n"),
+            std::string::npos) << outcome.out;
+  const Outcome better = run("solve a.mtx --blocks map.json --factorization ldlt");
+  EXPECT_NE(better.out.find("  2 1 0  "), std::string::npos) << better.out;
+  EXPECT_EQ(better.out.find("not known"), std::string::npos) << better.out;
+}
+
 TEST_F(SolveCommand, OfASingularSystemWithSolutionsOneIsTakenOnDemand) {
   write("a.mtx", 4, saddle(true));
   const Outcome refused = run("solve a.mtx --out x.mtx");
@@ -135,8 +153,7 @@ TEST_F(SolveCommand, WhatCholeskyCannotDoLdltDoesAndBothAreReported) {
 
 TEST_F(SolveCommand, BlocksWronglyCalledRegularAreSolvedByTheRobustChainAloud) {
   write("a.mtx", 3, {{0, 1, 1}, {1, 2, 1}, {2, 0, 1}});
-  const std::string block = R"({"dimension": 1, "kind": "regular"})";
-  write("map.json", R"({"format": "graphsolve-blocks", "version": 1, "blocks": [)" + block + "," + block + "," + block + "]}");
+  write("map.json", three_regular_rows);
   const Outcome outcome = run("solve a.mtx --blocks map.json");
   EXPECT_EQ(outcome.code, 0) << outcome.err << outcome.out;
   EXPECT_NE(outcome.out.find("ldu: singular pivot at block"), std::string::npos) << outcome.out;

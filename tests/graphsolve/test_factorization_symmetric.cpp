@@ -205,6 +205,8 @@ TEST(SymmetricFactorization, ConstraintsEliminatedBeforeTheirVariablesAreSolvedB
   ASSERT_TRUE(outcome.ok());
   EXPECT_EQ(outcome.boosts, 9);
   EXPECT_GT(outcome.growth, 1e5);
+  const Inertia truth = dense_inertia(a);  // no zeros: those counted are signs that are not known, the others bounds
+  EXPECT_EQ(outcome.inertia, (Inertia{truth.positive, truth.negative - 9, 9}));
   const Eigen::VectorXd b = right_hand_side(a.rows());
   Eigen::VectorXd x = b;
   f.solve(view(x));

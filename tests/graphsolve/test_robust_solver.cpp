@@ -226,6 +226,23 @@ TEST(Diagnosis, CountsStructuralRankZeroRowsAndSigns) {
   EXPECT_EQ(signs.inertia, (Inertia{1, 1, 0}));
 }
 
+TEST(Diagnosis, SignsOfBoostedPivotsAreNotKnown) {
+  BlockGraph graph;
+  graph.add_node("good", 2);
+  graph.add_node("flat", 2);
+  Factorization f(std::make_shared<const Symbolic>(graph, natural_ordering(graph)), FactorizationKind::ldlt);
+  f.keep_matrix(true);
+  Eigen::MatrixXd a = Eigen::MatrixXd::Identity(4, 4);
+  a.bottomRightCorner(2, 2) << 1, 2, 2, 4;
+  families::load(a, graph, f.symbolic(), f.values());
+  const Diagnosis d = diagnose(graph, f, f.factorize());
+  EXPECT_EQ(d.boosts, 1);
+  EXPECT_NE(to_string(d).find("inertia: at least 3 positive, at least 0 negative, 0 zero, 1 not known"), std::string::npos)
+      << to_string(d);
+  const Diagnosis regular = of_matrix(pair_graph(), (Eigen::Matrix2d() << 2, 1, 1, -3).finished(), FactorizationKind::ldlt);
+  EXPECT_NE(to_string(regular).find("inertia: 1 positive, 1 negative, 0 zero\n"), std::string::npos) << to_string(regular);
+}
+
 TEST(Diagnosis, NamesEntriesThatAreNotNumbersAndNothingElse) {
   const Diagnosis d = of_matrix(pair_graph(), (Eigen::Matrix2d() << 1, 2, std::numeric_limits<double>::infinity(), 4).finished());
   ASSERT_EQ(d.not_finite.size(), 1u);

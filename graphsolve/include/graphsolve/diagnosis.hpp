@@ -28,6 +28,7 @@ struct Diagnosis {
   std::vector<Group> redundant;  ///< from the rows that the factorization left out
 
   std::optional<Inertia> inertia;  ///< symmetric kinds only
+  int boosts = 0;                  ///< of the factorization: so many of inertia->zero are of a sign that is not known
 
   struct Row {
     std::string node;

@@ -32,7 +32,9 @@ enum class FactorizationKind {
   cholesky,  ///< symmetric positive definite, whatever the kinds of the nodes; without square roots
 };
 
-/// Signs of the eigenvalues of a symmetric matrix, which are those of D (Sylvester). zero: rows left out or boosted.
+/// Signs of the eigenvalues of a symmetric matrix, which are those of D (Sylvester). zero: rows left out, and boosted
+/// ones, whose sign is not known: they need not be zero. Each boost is a change of rank one with a sign, so that with
+/// boosts `positive` and `negative` are the least that there can be (interlacing).
 struct Inertia {
   int positive = 0;
   int negative = 0;
