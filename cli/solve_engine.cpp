@@ -208,37 +208,38 @@ bool try_graph(const Run& run, const std::shared_ptr<const Symbolic>& symbolic, 
 }
 
 /// graphsolve's own chain: reordering, proximal shift, threshold pivoting; and its diagnosis when all fail.
-bool try_robust(const Run& run) {
+bool try_robust(const Run& run, OrderingMethod ordering) {
   Attempt attempt{.method = "robust", .trouble = {}, .outcome = {}, .error = {}};
   const double start = cpu_seconds();
   RobustSolver solver(run.source.blocks.graph,
-                      {.kind = run.source.blocks.symmetric ? FactorizationKind::ldlt : FactorizationKind::ldu});
+                      {.kind = run.source.blocks.symmetric ? FactorizationKind::ldlt : FactorizationKind::ldu,
+                       .ordering = ordering});
   EntryMap(run.source.file.matrix, run.source.blocks, solver.symbolic()).write(run.source.file.matrix.value, solver.values());
   const double ready = cpu_seconds();
   attempt.outcome = solver.factorize();
   const double factored = cpu_seconds();
   attempt.setup_seconds = ready - start;
   attempt.factor_seconds = factored - ready;
-  std::vector<double> right(run.rows()), solution(run.rows());
-  bool solved = true, as_it_is = true;  // the matrix was factored on every column's rung as it is
-  for (int c = 0; c < run.columns && solved; ++c) {
-    run.source.blocks.to_graph(run.column_of_b(c), right);
-    const RobustSolver::Report report = solver.solve(right, solution);
-    solved = report.status == Status::solved;
-    attempt.method = fmt::format("robust: {}", name(report.rung));
-    attempt.reason = report.why;
-    as_it_is = as_it_is && report.rung == Rung::factorization;
-    if (solved) run.source.blocks.to_matrix(solution, run.column_of_x(c));
-  }
+  std::vector<double> right(run.b.size()), solution(run.b.size());
+  for (int c = 0; c < run.columns; ++c)
+    run.source.blocks.to_graph(run.column_of_b(c), std::span(right).subspan(c * run.rows(), run.rows()));
+  const RobustSolver::Report report = solver.solve(right, solution, run.columns);  // of the worst
+  attempt.method = fmt::format("robust: {}", name(report.rung));
+  attempt.reason = report.why;
+  if (run.columns > 1 && !report.why.empty()) attempt.reason = fmt::format("right-hand side {}: {}", report.column + 1, report.why);
   attempt.solve_seconds = cpu_seconds() - factored;
-  if (solved) {
+  if (report.unsolved == 0) {
+    for (int c = 0; c < run.columns; ++c)
+      run.source.blocks.to_matrix(std::span(solution).subspan(c * run.rows(), run.rows()), run.column_of_x(c));
     judge(run, attempt);
   } else {
     attempt.trouble = "no solution found";
+    if (run.columns > 1) attempt.trouble += fmt::format(" for {} of {} right-hand sides", report.unsolved, run.columns);
     attempt.error = {std::nan(""), std::nan("")};
   }
   // Solved on the first rung, rows left out or boosted: is it singular? As after an attempt without the chain.
-  const bool doubtful = as_it_is && attempt.outcome.ok() && attempt.outcome.dropped_rows + attempt.outcome.boosts > 0;
+  const bool doubtful = report.rung == Rung::factorization && attempt.outcome.ok() &&
+                        attempt.outcome.dropped_rows + attempt.outcome.boosts > 0;
   if (!attempt.trouble.empty() || (doubtful && is_singular(run, solver.factorization(), attempt.outcome)))
     explain(run, diagnose(run.source.blocks.graph, solver.factorization(), attempt.outcome));
   run.result.attempts.push_back(attempt);
@@ -261,7 +262,7 @@ SolveResult solve_system(const MatrixSource& source, std::span<const double> b, 
   }
   if (!good) {
     result.diagnosis.clear();
-    good = try_robust(run);
+    good = try_robust(run, request.ordering);
   }
   // Rows left out by a factorization that then leaves no residual are dependent; a large residual may have made them.
   result.singular = !result.diagnosis.empty();

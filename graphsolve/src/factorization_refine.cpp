@@ -75,15 +75,34 @@ void Factorization::residual(std::span<const double> b, std::span<const double> 
   for (const int c : active_) finish_residual(c);
 }
 
-/// The same of one component, in twice the precision.
-void Factorization::residual_twice(std::span<const double> b, std::span<const double> x, int component) {
-  start_residual(b, component);
+/// residual_ = b - A^T x of the active components: packs have no kernel for it.
+void Factorization::residual_transposed(std::span<const double> b, std::span<const double> x) {
   const auto subtract = [&](const double* block, int stride, int row, int rows, int column, int columns) {
-    for (int j = 0; j < columns; ++j)
+    for (int j = column; j < column + columns; ++j)
       for (int i = row; i < row + rows; ++i, block += stride) {
-        subtract_product(residual_[i], residual_low_[i], *block, x[column + j]);
-        magnitude_[i] += std::abs(*block * x[column + j]);
+        const double product = *block * x[i];
+        residual_[j] -= product;
+        magnitude_[j] += std::abs(product);
       }
+  };
+  for (const int c : active_) {
+    start_residual(b, c);
+    for (int k = symbolic_->component_begin(c); k < symbolic_->component_begin(c + 1); ++k) each_kept_block(k, subtract);
+    finish_residual(c);
+  }
+}
+
+/// The same of one component, in twice the precision.
+void Factorization::residual_twice(std::span<const double> b, std::span<const double> x, int component, Side side) {
+  start_residual(b, component);
+  const auto take = [&](int i, double entry, int j) {
+    subtract_product(residual_[i], residual_low_[i], entry, x[j]);
+    magnitude_[i] += std::abs(entry * x[j]);
+  };
+  const auto subtract = [&](const double* block, int stride, int row, int rows, int column, int columns) {
+    for (int j = column; j < column + columns; ++j)
+      for (int i = row; i < row + rows; ++i, block += stride)
+        side == Side::plain ? take(i, *block, j) : take(j, *block, i);
   };
   for (int k = symbolic_->component_begin(component); k < symbolic_->component_begin(component + 1); ++k)
     each_kept_block(k, subtract);
@@ -91,11 +110,21 @@ void Factorization::residual_twice(std::span<const double> b, std::span<const do
 }
 
 Factorization::Refinement Factorization::refine(std::span<const double> b, std::span<double> x, int max_sweeps) {
-  return refine(b, x, everything_, max_sweeps);
+  return refine(b, x, everything_, max_sweeps, Side::plain);
 }
 
 Factorization::Refinement Factorization::refine(std::span<const double> b, std::span<double> x,
                                                 std::span<const int> components, int max_sweeps) {
+  return refine(b, x, components, max_sweeps, Side::plain);
+}
+
+/// The symmetric kinds keep both triangles, which are equal.
+Factorization::Refinement Factorization::refine_transposed(std::span<const double> b, std::span<double> x, int max_sweeps) {
+  return refine(b, x, everything_, max_sweeps, symmetric() ? Side::plain : Side::transposed);
+}
+
+Factorization::Refinement Factorization::refine(std::span<const double> b, std::span<double> x,
+                                                std::span<const int> components, int max_sweeps, Side side) {
   if (matrix_.empty()) throw std::logic_error("refine: allow_refinement() and keep_matrix(true) come before factorize()");
   check_size(b, 1);
   check_size(x, 1);
@@ -103,8 +132,9 @@ Factorization::Refinement Factorization::refine(std::span<const double> b, std::
   for (auto* v : {&residual_, &residual_low_, &magnitude_, &best_}) v->resize(symbolic_->rows());
   refined_.assign(components.begin(), components.end());
   const auto keep_x = [&](int c) { each_row(c, [&](int i) { best_[i] = x[i]; }); };
+  const auto measure = [&] { side == Side::plain ? residual(b, x) : residual_transposed(b, x); };
   set_active(components);
-  residual(b, x);
+  measure();
   for (const int c : components) {
     precision_[c] = Precision::plain;
     in_vain_[c] = 0;
@@ -116,11 +146,11 @@ Factorization::Refinement Factorization::refine(std::span<const double> b, std::
     std::erase_if(refined_, [&](int c) { return in_vain_[c] == patience || !(least_error_[c] > goal); });
     if (refined_.empty()) break;
     set_active(refined_);
-    solve_active(residual_.data(), 1);
+    side == Side::plain ? solve_active(residual_.data(), 1) : solve_transposed_active(residual_.data());
     for (const int c : refined_) each_row(c, [&](int i) { x[i] += residual_[i]; });
-    residual(b, x);
+    measure();
     for (const int c : refined_) {
-      if (precision_[c] == Precision::twice) residual_twice(b, x, c);
+      if (precision_[c] == Precision::twice) residual_twice(b, x, c, side);
       const bool slow = !(error_[c] <= 0.9 * least_error_[c]);
       in_vain_[c] = slow ? in_vain_[c] + 1 : 0;
       if (error_[c] < least_error_[c]) {
@@ -129,7 +159,7 @@ Factorization::Refinement Factorization::refine(std::span<const double> b, std::
         keep_x(c);
       }
       // Rows may stand still because others, whose error is small, are wrong by what rounding takes.
-      if (slow && std::exchange(precision_[c], Precision::twice) == Precision::plain) residual_twice(b, x, c);
+      if (slow && std::exchange(precision_[c], Precision::twice) == Precision::plain) residual_twice(b, x, c, side);
     }
   }
   for (const int c : components) {

@@ -260,16 +260,19 @@ void Factorization::solve_transposed(std::span<double> x, int columns) const {
   if (symmetric()) return solve(x, columns);
   check_size(x, columns);
   set_all_active();
-  for (int c = 0; c < columns; ++c) {
-    const Vectors v = enter(x.data() + static_cast<std::ptrdiff_t>(c) * symbolic_->rows());
-    const auto forward = [&](int k) { solve_forward_transposed(k, v.x); };
-    const auto backward = [&](int k) {
-      solve_backward_transposed(k, v.x);
-      leave(k, v);
-    };
-    walk(false, [&](int pack, unsigned active) { solve_pack(pack, active, v, simd::solve_forward_transposed, forward); }, forward);
-    walk(true, [&](int pack, unsigned active) { solve_pack(pack, active, v, simd::solve_backward_transposed, backward); }, backward);
-  }
+  for (int c = 0; c < columns; ++c) solve_transposed_active(x.data() + static_cast<std::ptrdiff_t>(c) * symbolic_->rows());
+}
+
+/// Of an LDU.
+void Factorization::solve_transposed_active(double* x) const {
+  const Vectors v = enter(x);
+  const auto forward = [&](int k) { solve_forward_transposed(k, v.x); };
+  const auto backward = [&](int k) {
+    solve_backward_transposed(k, v.x);
+    leave(k, v);
+  };
+  walk(false, [&](int pack, unsigned active) { solve_pack(pack, active, v, simd::solve_forward_transposed, forward); }, forward);
+  walk(true, [&](int pack, unsigned active) { solve_pack(pack, active, v, simd::solve_backward_transposed, backward); }, backward);
 }
 
 }  // namespace graphsolve

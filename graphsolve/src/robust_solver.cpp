@@ -1,34 +1,30 @@
 #include "graphsolve/robust_solver.hpp"
 
-#include <Eigen/Core>
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <optional>
 #include <stdexcept>
 #include <string>
 
-#include "graphsolve/io/block_view.hpp"
 #include "kept_matrix.hpp"
-#include "threshold_pivoting.hpp"
+#include "robust_rungs.hpp"
 
 namespace graphsolve {
 
 namespace {
 
-constexpr double stiff = 1e6;    ///< a node this much larger than its neighbours is eliminated later
-constexpr double shift = 1e-8;   ///< of what was added to a saddle row; 1e-6 spoils it (algorithm.md 5)
-constexpr double consistent = 1e-9;
-constexpr double certain = 1e3;  ///< a contradiction is that many times larger than the doubt about the dependency
-constexpr double rounding = 1e-14;  ///< rows that miss a dependency by more are independent, if only just
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2g", value);
-  return text;
+Ordering ordering_of(const BlockGraph& graph, const RobustSolver::Options& options) {
+  if (options.ordering == OrderingMethod::user) return user_ordering(graph, options.sequence);
+  if (!options.sequence.empty())
+    throw std::invalid_argument("a sequence is given, but the ordering is '" + std::string(name(options.ordering)) +
+                                "': a sequence goes with OrderingMethod::user");
+  return make_ordering(graph, options.ordering);
 }
 
-bool better(double error, double than) { return error < than || std::isnan(than); }
+/// Is `a` worse news than `b`?
+bool worse(const RobustSolver::Report& a, const RobustSolver::Report& b) {
+  if (a.status != Status::solved || b.status != Status::solved) return b.status == Status::solved;
+  if (a.rung != b.rung) return a.rung > b.rung;
+  return a.backward_error > b.backward_error;
+}
 
 }  // namespace
 
@@ -42,202 +38,120 @@ std::string_view name(Rung rung) {
   return "unknown";
 }
 
-struct RobustSolver::Impl {
-  BlockGraph graph;
-  Options options;
-  Ordering ordering;
-  Factorization first;
-  std::vector<double> values;
-  std::vector<double> factored;  ///< values as they were factored; empty: not yet
-  Factorization::Outcome outcome;
-  // Made when needed, dropped when the values change.
-  struct Retry {
-    Factorization factorization;
-    Factorization::Outcome outcome;
+RobustSolver::Impl::Impl(BlockGraph g, Options o)
+    : graph(std::make_shared<const BlockGraph>(std::move(g))), options(std::move(o)),
+      ordering(ordering_of(*graph, options)), side(Side::plain), first(std::make_shared<const Symbolic>(*graph, ordering), options.kind),
+      values(first.values().size()), solutions(rows()), contradictions(1) {
+  first.allow_refinement();
+  first.keep_matrix(true);
+}
+
+RobustSolver::Impl::Impl(const Impl& of, Side s)
+    : graph(of.graph), options(of.options), ordering(of.ordering), side(s), first(of.first.twin()),
+      values(of.values.size()) {
+  first.allow_refinement();
+  first.keep_matrix(true);
+}
+
+void RobustSolver::Impl::factorize() {
+  std::copy(values.begin(), values.end(), first.values().begin());
+  reordered.reset();
+  shifted.reset();
+  general.reset();
+  twin_is_current = false;
+  outcome = first.factorize();
+  factored = values;
+}
+
+/// The solver of A^T, with its numbers.
+RobustSolver::Impl& RobustSolver::Impl::transposed() {
+  if (!twin) twin = std::make_unique<Impl>(*this, Side::transposed);
+  if (twin_is_current) return *twin;
+  const Symbolic& s = first.symbolic();
+  each_matrix_block(s, [&](NodeId a, NodeId b, const BlockHandle& from) {
+    const BlockHandle to = s.block(b, a);
+    for (int j = 0; j < from.columns; ++j)
+      for (int i = 0; i < from.rows; ++i) twin->values[to.place(j, i)] = first.matrix()[from.place(i, j)];
+  });
+  twin->factorize();
+  twin_is_current = true;
+  return *twin;
+}
+
+/// After the first rung has solved for all columns, if it could.
+RobustSolver::Report RobustSolver::Impl::solve_column(const Columns& columns, int c, Side of) {
+  Report report;
+  report.outcome = outcome;
+  report.column = c;
+  const auto fail = [&](Status status, std::string why) {
+    report.status = status;
+    report.why = std::move(why);
+    report.unsolved = 1;
+    return report;
   };
-  std::optional<Retry> reordered, shifted;
-  std::optional<ThresholdPivoting> general;
-
-  struct Attempt {
-    Rung rung;
-    Eigen::VectorXd x;
-    double error;
-  };
-  struct Search {
-    Eigen::VectorXd b;
-    std::optional<Attempt> best;
-    std::string why;
-  };
-
-  Impl(BlockGraph g, Options o)
-      : graph(std::move(g)), options(std::move(o)), ordering(minimum_fill_ordering(graph)),
-        first(std::make_shared<const Symbolic>(graph, ordering), options.kind), values(first.values().size()) {
-    first.allow_refinement();
-    first.keep_matrix(true);
-  }
-
-  void note(Search& search, Rung rung, const std::string& what) const {
-    if (!search.why.empty()) search.why += "; ";
-    search.why += std::string(name(rung)) + ": " + what;
-  }
-
-  void factorize() {
-    std::copy(values.begin(), values.end(), first.values().begin());
-    reordered.reset();
-    shifted.reset();
-    general.reset();
-    outcome = first.factorize();
-    factored = values;
-  }
-
-  std::string bad_pivot(const Factorization& f, const Factorization::Outcome& o) const {
-    return "block '" + std::string(graph.name(f.symbolic().node(o.first_bad_pivot))) + "' " +
-           (f.kind() == FactorizationKind::cholesky ? "is not positive definite" : "has no usable pivot");
-  }
-
-  /// True when this attempt is good enough.
-  bool judge(Search& search, Attempt attempt) const {
-    const bool good = attempt.error <= options.acceptable;
-    if (!good) note(search, attempt.rung, "backward error " + number(attempt.error));
-    if (!search.best || better(attempt.error, search.best->error)) search.best = std::move(attempt);
-    return good;
-  }
-
-  bool try_factors(Search& search, Rung rung, Factorization& f, const Factorization::Outcome& o) const {
-    if (!o.ok()) {
-      note(search, rung, bad_pivot(f, o));
-      return false;
+  Search search{.b = columns.right(c)};
+  if (std::string found = not_finite(search.b); !found.empty()) return fail(Status::not_finite, std::move(found));
+  bool solved = false;
+  if (outcome.ok()) {
+    if (of == Side::plain && !contradictions[c].empty()) return fail(Status::singular, contradictions[c]);
+    const std::span<double> x = std::span(solutions).subspan(c * rows(), rows());
+    const auto refined = of == Side::plain ? first.refine(search.b, x, options.max_sweeps)
+                                           : first.refine_transposed(search.b, x, options.max_sweeps);
+    report.backward_error = refined.backward_error;
+    if (refined.backward_error <= options.acceptable) {
+      std::copy(x.begin(), x.end(), columns.solution(c).begin());
+      return report;
     }
-    Eigen::VectorXd x = search.b;
-    const auto size = static_cast<std::size_t>(x.size());
-    f.solve({x.data(), size});
-    const auto refined = f.refine({search.b.data(), size}, {x.data(), size}, options.max_sweeps);
-    return judge(search, {rung, std::move(x), refined.backward_error});
+    if (of == Side::plain)
+      solved = judge(search, {Rung::factorization, Eigen::Map<const Eigen::VectorXd>(x.data(), graph->rows()),
+                              refined.backward_error});
+  } else {
+    note(search, Rung::factorization, bad_pivot(first, outcome));
   }
+  if (of == Side::transposed) {
+    report = transposed().solve({search.b, columns.solution(c), 1, rows()}, Side::plain);
+    report.column = c;
+    return report;
+  }
+  solved = solved || try_reordered(search) || try_shifted(search) || try_general(search);
+  if (search.best) {
+    report.rung = search.best->rung;
+    report.backward_error = search.best->error;
+  }
+  if (!solved) return fail(Status::singular, std::move(search.why));
+  report.why = std::move(search.why);
+  std::copy(search.best->x.begin(), search.best->x.end(), columns.solution(c).begin());
+  return report;
+}
 
-  /// The matrix factored in another order, or with a shift.
-  Retry retry(const Ordering& order, double saddle_shift) const {
-    Factorization f(std::make_shared<const Symbolic>(graph, order), options.kind);
-    f.allow_refinement();
-    f.keep_matrix(true);
-    f.set_saddle_shift(saddle_shift);
-    each_matrix_block(first.symbolic(), [&](NodeId a, NodeId b, const BlockHandle& from) {
-      const BlockHandle to = f.symbolic().block(a, b);
-      for (int j = 0; j < from.columns; ++j)
-        for (int i = 0; i < from.rows; ++i) f.entry(to, i, j) = first.matrix()[from.place(i, j)];
-    });
-    Factorization::Outcome o = f.factorize();
-    return {std::move(f), o};
+RobustSolver::Report RobustSolver::Impl::solve(const Columns& columns, Side of) {
+  if (std::string found = not_finite(); !found.empty()) {
+    Report report;
+    report.status = Status::not_finite;
+    report.why = std::move(found);
+    report.outcome = outcome;
+    report.unsolved = columns.count;
+    return report;
   }
-
-  double largest_diagonal(NodeId node) const {
-    const BlockHandle h = first.symbolic().block(node, node);
-    double largest = 0;
-    for (int i = 0; i < h.rows; ++i) largest = std::max(largest, std::abs(values[h.place(i, i)]));
-    return largest;
+  // Which rows depend is known of the matrix that was factored, not of the other.
+  if (of == Side::transposed && (!outcome.ok() || outcome.dropped_rows > 0))
+    return transposed().solve(columns, Side::plain);
+  if (outcome.ok()) {
+    if (solutions.size() < columns.b.size()) solutions.resize(columns.b.size());
+    const auto all = std::span(solutions).first(columns.b.size());
+    std::copy(columns.b.begin(), columns.b.end(), all.begin());
+    of == Side::plain ? first.solve(all, columns.count) : first.solve_transposed(all, columns.count);
+    find_contradictions(columns);
   }
-
-  /// Nodes that should wait: much larger than some neighbour of their kind of unknown, or where the elimination ended.
-  std::vector<char> late_nodes() const {
-    std::vector<char> late(graph.size());
-    for (int k = 0; k < graph.size(); ++k)
-      for (const auto& edge : graph.edges({k})) {
-        const double own = largest_diagonal({k}), other = largest_diagonal(edge.to);
-        if (other > 0 && own > stiff * other) late[k] = 1;
-      }
-    if (!outcome.ok()) late[first.symbolic().node(outcome.first_bad_pivot).index] = 1;
-    return late;
+  Report worst = solve_column(columns, 0, of);
+  for (int c = 1; c < columns.count; ++c) {
+    Report report = solve_column(columns, c, of);
+    const int unsolved = worst.unsolved + report.unsolved;
+    if (worse(report, worst)) worst = std::move(report);
+    worst.unsolved = unsolved;
   }
-
-  bool try_reordered(Search& search) {
-    if (reordered) return try_factors(search, Rung::reordered, reordered->factorization, reordered->outcome);
-    const std::vector<char> late = late_nodes();
-    if (std::ranges::count(late, 1) == 0) {
-      note(search, Rung::reordered, "no node is stiff");
-      return false;
-    }
-    std::vector<NodeId> sequence;
-    for (const bool wanted : {false, true})
-      for (const NodeId node : ordering.sequence)
-        if ((late[node.index] != 0) == wanted) sequence.push_back(node);
-    reordered.emplace(retry(user_ordering(graph, sequence), 0));
-    return try_factors(search, Rung::reordered, reordered->factorization, reordered->outcome);
-  }
-
-  bool try_shifted(Search& search) {
-    bool saddle = false;
-    for (int k = 0; k < graph.size(); ++k) saddle = saddle || graph.kind({k}) == NodeKind::saddle;
-    if (!saddle || options.kind == FactorizationKind::cholesky) return false;
-    if (!shifted) shifted.emplace(retry(ordering, shift));
-    return try_factors(search, Rung::shifted, shifted->factorization, shifted->outcome);
-  }
-
-  bool try_general(Search& search) {
-    if (!general) general.emplace(sparse_matrix(first.symbolic(), first.matrix()), options.fallback);
-    auto result = general->solve(search.b, options.max_sweeps);
-    if (result.why.empty()) return judge(search, {Rung::threshold_pivoting, std::move(result.x), result.backward_error});
-    note(search, Rung::threshold_pivoting, result.why);
-    return false;
-  }
-
-  /// How far y^T A is from zero: largest |y^T A|_j over largest (|y|^T |A|)_j, each column being measured by its own
-  /// largest entry.
-  double remainder(const Eigen::VectorXd& y) const {
-    Eigen::VectorXd sum = Eigen::VectorXd::Zero(y.size()), magnitude = sum, size = sum;
-    each_matrix_block(first.symbolic(), [&](NodeId r, NodeId c, const BlockHandle& h) {
-      const ConstBlockView block = block_view(first.matrix(), h);
-      const auto part = y.segment(graph.row(r), h.rows);
-      const Eigen::Index column = graph.row(c);
-      sum.segment(column, h.columns) += block.transpose() * part;
-      magnitude.segment(column, h.columns) += block.cwiseAbs().transpose() * part.cwiseAbs();
-      for (int j = 0; j < h.columns; ++j) size[column + j] = std::max(size[column + j], block.col(j).cwiseAbs().maxCoeff());
-    });
-    double left = 0, of = 0;
-    for (Eigen::Index j = 0; j < y.size(); ++j) {
-      if (!(size[j] > 0)) continue;
-      left = std::max(left, std::abs(sum[j]) / size[j]);
-      of = std::max(of, magnitude[j] / size[j]);
-    }
-    return of > 0 ? left / of : 0;
-  }
-
-  /// Names the redundant rows whose right-hand sides contradict each other; empty: none.
-  std::string contradiction(const Eigen::VectorXd& b) const {
-    Eigen::VectorXd y(b.size());
-    for (const auto& dropped : first.dropped_rows()) {
-      first.dependency(dropped, {y.data(), static_cast<std::size_t>(y.size())});
-      const double against = std::abs(y.dot(b)), size = y.cwiseAbs().dot(b.cwiseAbs());
-      if (!(against > consistent * size)) continue;
-      // Rows left out because rounding took what made them independent do not contradict anything.
-      const double missed = remainder(y);
-      if (missed > rounding || !(against > certain * missed * size)) continue;
-      std::string names;
-      for (int k = 0; k < graph.size(); ++k) {
-        const auto part = y.segment(graph.row({k}), graph.dimension({k}));
-        if (part.cwiseAbs().maxCoeff() > consistent * y.cwiseAbs().maxCoeff())
-          names += (names.empty() ? "'" : ", '") + std::string(graph.name({k})) + "'";
-      }
-      return "no solution: the rows of " + names + " depend on each other, and the right-hand side contradicts that";
-    }
-    return {};
-  }
-
-  /// The first number that is not one.
-  std::string not_finite(const Eigen::VectorXd& b) const {
-    std::string found;
-    each_matrix_block(first.symbolic(), [&](NodeId r, NodeId c, const BlockHandle& h) {
-      for (int i = 0; i < h.rows * h.columns && found.empty(); ++i)
-        if (const double value = first.matrix()[h.place(i % h.rows, i / h.rows)]; !std::isfinite(value))
-          found = "entry (" + std::to_string(i % h.rows) + ", " + std::to_string(i / h.rows) + ") of block ('" +
-                  std::string(graph.name(r)) + "', '" + std::string(graph.name(c)) + "') is " + number(value);
-    });
-    for (int k = 0; k < graph.size() && found.empty(); ++k)
-      for (int i = 0; i < graph.dimension({k}) && found.empty(); ++i)
-        if (const double value = b[graph.row({k}) + i]; !std::isfinite(value))
-          found = "right-hand side " + std::to_string(i) + " of '" + std::string(graph.name({k})) + "' is " + number(value);
-    return found;
-  }
-};
+  return worst;
+}
 
 RobustSolver::RobustSolver(BlockGraph graph, Options options)
     : impl_(std::make_unique<Impl>(std::move(graph), std::move(options))) {}
@@ -245,7 +159,8 @@ RobustSolver::~RobustSolver() = default;
 RobustSolver::RobustSolver(RobustSolver&&) noexcept = default;
 RobustSolver& RobustSolver::operator=(RobustSolver&&) noexcept = default;
 
-const BlockGraph& RobustSolver::graph() const { return impl_->graph; }
+const BlockGraph& RobustSolver::graph() const { return *impl_->graph; }
+const Ordering& RobustSolver::ordering() const { return impl_->ordering; }
 const Symbolic& RobustSolver::symbolic() const { return impl_->first.symbolic(); }
 std::span<double> RobustSolver::values() { return impl_->values; }
 const Factorization& RobustSolver::factorization() const { return impl_->first; }
@@ -255,35 +170,24 @@ const Factorization::Outcome& RobustSolver::factorize() {
   return impl_->outcome;
 }
 
-RobustSolver::Report RobustSolver::solve(std::span<const double> b, std::span<double> x) {
+RobustSolver::Report RobustSolver::solve(std::span<const double> b, std::span<double> x, int columns, Side side) {
   Impl& s = *impl_;
-  const auto rows = static_cast<std::size_t>(s.graph.rows());
-  if (b.size() != rows || x.size() != rows)
+  if (columns < 1)
+    throw std::invalid_argument("there must be at least one right-hand side, not " + std::to_string(columns));
+  const std::size_t expected = s.rows() * static_cast<std::size_t>(columns);
+  if (b.size() != expected || x.size() != expected)
     throw std::invalid_argument("b has " + std::to_string(b.size()) + " numbers and x " + std::to_string(x.size()) +
-                                ", expected " + std::to_string(rows) + " in each");
+                                ", expected " + std::to_string(expected) + " in each");
   if (s.factored != s.values) s.factorize();
-  Report report;
-  report.outcome = s.outcome;
-  Impl::Search search;
-  search.b = Eigen::Map<const Eigen::VectorXd>(b.data(), static_cast<Eigen::Index>(b.size()));
-  const auto fail = [&](Status status, std::string why) {
-    report.status = status;
-    report.why = std::move(why);
-    return report;
-  };
-  if (std::string found = s.not_finite(search.b); !found.empty()) return fail(Status::not_finite, std::move(found));
-  if (s.outcome.ok())
-    if (std::string found = s.contradiction(search.b); !found.empty()) return fail(Status::singular, std::move(found));
-  const bool solved = s.try_factors(search, Rung::factorization, s.first, s.outcome) || s.try_reordered(search) ||
-                      s.try_shifted(search) || s.try_general(search);
-  if (search.best) {
-    report.rung = search.best->rung;
-    report.backward_error = search.best->error;
-  }
-  if (!solved) return fail(Status::singular, std::move(search.why));
-  report.why = std::move(search.why);
-  std::copy(search.best->x.begin(), search.best->x.end(), x.begin());
-  return report;
+  return s.solve({b, x, columns, s.rows()}, side);
+}
+
+RobustSolver::Report RobustSolver::solve(std::span<const double> b, std::span<double> x, int columns) {
+  return solve(b, x, columns, Side::plain);
+}
+
+RobustSolver::Report RobustSolver::solve_transposed(std::span<const double> b, std::span<double> x, int columns) {
+  return solve(b, x, columns, impl_->options.kind == FactorizationKind::ldu ? Side::transposed : Side::plain);
 }
 
 }  // namespace graphsolve

@@ -160,4 +160,29 @@ TEST_F(SolveCommand, BlocksWronglyCalledRegularAreSolvedByTheRobustChainAloud) {
   EXPECT_NE(outcome.out.find("robust: "), std::string::npos) << outcome.out;
 }
 
+/// The second row is twice the first: only the second right-hand side contradicts that.
+TEST_F(SolveCommand, TheRightHandSideThatHasNoSolutionIsNamed) {
+  write("one.mtx", 2, {{0, 0, 1}, {0, 1, 2}, {1, 0, 2}, {1, 1, 4}});
+  write("sizes.txt", "1 1\n");
+  write("b.mtx", io::matrix_market(std::vector<double>{1, 2, 1, 0, 3, 6}, 2));
+  const Outcome outcome = run("solve one.mtx b.mtx --factorization cholesky --blocks sizes.txt --accept-singular");
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.out.find("no solution found for 1 of 3 right-hand sides\n"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find(": right-hand side 2: factorization: backward error"), std::string::npos) << outcome.out;
+}
+
+/// Its first row has no pivot of its own, and goes first in natural order only.
+TEST_F(SolveCommand, TheRobustChainKeepsTheOrderingThatWasAskedFor) {
+  write("a.mtx", 3, {{1, 1, 3}, {2, 2, 1}, {0, 1, 1}, {1, 0, 1}, {0, 2, 1}, {2, 0, 1}});
+  write("map.json", three_regular_rows);
+  for (const auto& [ordering, boosts] : {std::pair("natural", 1), std::pair("minimum-fill", 0)}) {
+    const Outcome outcome = run(std::string("solve a.mtx --blocks map.json --factorization cholesky --ordering ") + ordering);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    const std::size_t line = outcome.out.find("\nrobust: factorization");
+    ASSERT_NE(line, std::string::npos) << outcome.out;
+    EXPECT_EQ(outcome.out.substr(line, outcome.out.find('\n', line + 1) - line).find("(1?)") != std::string::npos, boosts == 1)
+        << outcome.out;
+  }
+}
+
 }  // namespace

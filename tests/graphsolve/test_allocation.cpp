@@ -11,6 +11,7 @@
 
 #include "factorization_cases.hpp"
 #include "graphsolve/factorization.hpp"
+#include "graphsolve/robust_solver.hpp"
 #include "support/count_allocations.hpp"
 #include "support/problem_families.hpp"
 
@@ -94,6 +95,34 @@ TEST_F(SolverAllocation, NothingIsAllocatedAfterSetupOfCholesky) {
   const auto symbolic = std::make_shared<const Symbolic>(problem.graph, minimum_fill_ordering(problem.graph));
   Factorization f(symbolic, FactorizationKind::cholesky);
   expect_no_allocation(problem, f, problem.name);
+}
+
+TEST_F(SolverAllocation, ARobustSolverTakesNothingOnItsFirstRungOnceItSolvedForAsManyColumns) {
+  constexpr int columns = 3;
+  for (const Difficulty difficulty : {Difficulty::plain, Difficulty::redundant})
+    for (const FactorizationKind kind : {FactorizationKind::ldu, FactorizationKind::ldlt}) {
+      const Problem problem = families::make_problem({.family = Family::ladder, .n = 30, .difficulty = difficulty});
+      RobustSolver solver(problem.graph, {.kind = kind});
+      families::load(problem.matrix, problem.graph, solver.symbolic(), solver.values());
+      const std::size_t rows = problem.graph.rows();
+      std::vector<double> b(rows * columns), x(rows * columns);
+      for (int c = 0; c < columns; ++c)
+        for (std::size_t i = 0; i < rows; ++i) b[c * rows + i] = (c + 1) * problem.right[static_cast<Eigen::Index>(i)];
+      const auto solve_twice = [&] {
+        for (const double factor : {2.0, 0.5}) {
+          solver.values()[0] *= factor;  // it factors again
+          const auto report = solver.solve(b, x, columns);
+          EXPECT_EQ(report.rung, Rung::factorization) << problem.name;
+          EXPECT_EQ(report.outcome.dropped_rows > 0, difficulty == Difficulty::redundant) << problem.name;
+          if (report.outcome.dropped_rows > 0) continue;  // the transposed matrix is factored then, once per set of values
+          EXPECT_EQ(solver.solve_transposed(b, x, columns).rung, Rung::factorization) << problem.name;
+        }
+      };
+      solve_twice();
+      const Counting counting;
+      solve_twice();
+      EXPECT_EQ(Counting::so_far(), 0) << problem.name;
+    }
 }
 
 TEST_F(SolverAllocation, PredictedMemoryIsWhatIsTaken) {

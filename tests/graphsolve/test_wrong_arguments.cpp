@@ -60,6 +60,10 @@ TEST(WrongArguments, ARobustSolverLooksAtBothSizes) {
   std::vector<double> three(3, 1), two(2, 1);
   EXPECT_THROW((void)solver.solve(three, two), std::invalid_argument);
   EXPECT_THROW((void)solver.solve(two, three), std::invalid_argument);
+  EXPECT_THROW((void)solver.solve(three, three, 2), std::invalid_argument);
+  EXPECT_THROW((void)solver.solve_transposed(two, three), std::invalid_argument);
+  EXPECT_THROW((void)solver.solve_transposed(three, three, 2), std::invalid_argument);
+  EXPECT_THROW((void)solver.solve({}, {}, 0), std::invalid_argument);
 }
 
 TEST(WrongArguments, AnInteriorPointNamesBatchesPortsAndComponentsThatAreNotThere) {

@@ -150,6 +150,8 @@ class Factorization {
   Refinement refine(std::span<const double> b, std::span<double> x, int max_sweeps = 3);
   /// Several components, each until its own error is good; returns the most sweeps and the largest error.
   Refinement refine(std::span<const double> b, std::span<double> x, std::span<const int> components, int max_sweeps);
+  /// The same of A^T x = b, after solve_transposed.
+  Refinement refine_transposed(std::span<const double> b, std::span<double> x, int max_sweeps = 3);
 
   /// Rows left out by the last factorize: node and row within it.
   struct DroppedRow {
@@ -259,6 +261,7 @@ class Factorization {
   // Solving.
   void solve_diagonal(int k, const double* diagonal, double* x, int columns, std::ptrdiff_t stride) const;
   void solve_active(double* x, int columns) const;
+  void solve_transposed_active(double* x) const;
   void forward_pack(int number, unsigned active, const Vectors& v) const;
   void backward(const Vectors& v, int columns) const;
   [[nodiscard]] Vectors enter(double* x) const;
@@ -274,12 +277,16 @@ class Factorization {
   void check_size(std::span<const double> x, int columns) const;
   void check_components(std::span<const int> components) const;
   enum class Precision { plain, twice };
+  enum class Side { plain, transposed };  ///< A x = b or A^T x = b
   void start_residual(std::span<const double> b, int component);
   template <class F>
   void each_kept_block(int k, F&& take) const;
   void finish_residual(int component);
   void residual(std::span<const double> b, std::span<const double> x);
-  void residual_twice(std::span<const double> b, std::span<const double> x, int component);
+  void residual_transposed(std::span<const double> b, std::span<const double> x);
+  void residual_twice(std::span<const double> b, std::span<const double> x, int component, Side side);
+  Refinement refine(std::span<const double> b, std::span<double> x, std::span<const int> components, int max_sweeps,
+                    Side side);
   template <class F>
   void each_row(int component, F&& f) const;
 

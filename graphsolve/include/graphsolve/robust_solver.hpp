@@ -24,7 +24,8 @@ std::string_view name(Rung rung);
 
 /// Solves A x = b or says why not: factorization and refinement first; where their backward error is not acceptable,
 /// what Rung lists, one after the other. Never silent: every solve reports its rung, why it was taken and the backward
-/// error of what it hands out. The last rungs allocate, and each costs an analysis of its own the first time.
+/// error of what it hands out. The first rung allocates nothing, but for a first solve of more columns than before, or
+/// with rows left out; the others do, and each costs an analysis of its own the first time.
 class RobustSolver {
  public:
   /// x := solution of A x = b for a matrix in compressed columns; false where there is none.
@@ -40,8 +41,11 @@ class RobustSolver {
     double acceptable = 1e-12;  ///< componentwise backward error
     int max_sweeps = 10;        ///< of refinement, on each rung
     Fallback fallback = {};     ///< in place of Eigen::SparseLU
+    OrderingMethod ordering = OrderingMethod::minimum_fill;  ///< of the first rung; parse_ordering_method finds names
+    std::vector<NodeId> sequence = {};  ///< that of OrderingMethod::user: every node once, repaired by user_ordering
   };
-  /// Copies the graph. Order: minimum_fill_ordering.
+  /// Copies the graph. Throws std::invalid_argument when the ordering is not available in this build, when `sequence` is
+  /// no permutation of the nodes, or is given and the ordering is not `user`.
   explicit RobustSolver(BlockGraph graph) : RobustSolver(std::move(graph), Options{}) {}
   RobustSolver(BlockGraph graph, Options options);
   ~RobustSolver();
@@ -49,6 +53,7 @@ class RobustSolver {
   RobustSolver& operator=(RobustSolver&&) noexcept;
 
   [[nodiscard]] const BlockGraph& graph() const;
+  [[nodiscard]] const Ordering& ordering() const;
   [[nodiscard]] const Symbolic& symbolic() const;
   /// The numbers of the matrix, written through symbolic().block(); they stay as they are. The symmetric kinds read
   /// one triangle (factorization.hpp), so fill both.
@@ -63,16 +68,29 @@ class RobustSolver {
     std::string why;            ///< what was wrong with the rungs before, or with the system; empty: nothing
     double backward_error = 0;  ///< componentwise, of the x handed out or of the best one found
     Factorization::Outcome outcome;  ///< of the first rung
+    int column = 0;    ///< of several right-hand sides the worst, which all the above is of: the first that is not
+                       ///< solved, else the one of the highest rung, else of the largest error
+    int unsolved = 0;  ///< right-hand sides whose status is not `solved`
   };
   /// Factors on the first rung. A solve does so by itself where values are not those that were factored.
   const Factorization::Outcome& factorize();
   /// x := A^-1 b. x stays as it was when the status is not `solved`. Redundant rows: one solution, or `singular` with
   /// the names of the rows that b contradicts.
-  Report solve(std::span<const double> b, std::span<double> x);
+  Report solve(std::span<const double> b, std::span<double> x) { return solve(b, x, 1); }
+  /// X := A^-1 B, both rows() x columns, column-major; each column is refined, climbs and is judged by itself. Columns that
+  /// are not solved stay as they were. Throws std::invalid_argument when B or X has another size.
+  Report solve(std::span<const double> b, std::span<double> x, int columns);
+  /// x := A^-T b; X := A^-T B. With the factors of A, refined against A^T. Where these will not do, or rows were left out,
+  /// A^T is factored too (as much memory again, once per set of values) and climbs as A does: the outcome is its own then,
+  /// `fallback` gets A^T, and what depends is named as columns. The symmetric kinds solve with A itself.
+  Report solve_transposed(std::span<const double> b, std::span<double> x) { return solve_transposed(b, x, 1); }
+  Report solve_transposed(std::span<const double> b, std::span<double> x, int columns);
   /// The factorization of the first rung, with its matrix: for diagnose().
   [[nodiscard]] const Factorization& factorization() const;
 
  private:
+  enum class Side { plain, transposed };  ///< A x = b or A^T x = b
+  Report solve(std::span<const double> b, std::span<double> x, int columns, Side side);
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
