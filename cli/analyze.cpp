@@ -20,12 +20,13 @@ using physics::DescriptionError;
 namespace {
 
 struct Options {
-  std::string source, blocks, ordering = "all", json, svg, dot;
+  std::string source, blocks, ordering = "all", json, svg, dot, write_blocks;
 };
 
 constexpr const char* footer = R"(Examples:
   graphsolve analyze A.mtx                          all orderings side by side; blocks are found in the pattern
   graphsolve analyze A.mtx --blocks map.json        with names, sizes and kinds of your own (docs/block_map.md)
+  graphsolve analyze A.mtx --write-blocks map.json  the blocks that were found, to be edited and given to --blocks
   graphsolve analyze snake:n=20 --ordering wide     a scene: bodies and joints are the blocks
   graphsolve analyze A.mtx --svg fill.svg --dot graph.dot --json report.json
 
@@ -56,17 +57,21 @@ int analyze(const Options& options) {
   const std::vector<OrderingMethod> methods = chosen_methods(options.ordering);
   const std::string tree = options.dot.empty() ? "" : tree_file(options.dot);
   const bool from_file = options.source.ends_with(".mtx") || is_scene_file(options.source);
-  check_outputs({{"--json", options.json}, {"--svg", options.svg}, {"--dot", options.dot}, {"the tree of --dot", tree}},
+  check_outputs({{"--json", options.json}, {"--svg", options.svg}, {"--dot", options.dot}, {"the tree of --dot", tree},
+                 {"--write-blocks", options.write_blocks}},
                 {from_file ? options.source : "", options.blocks});
   AnalyzeReport report{.source = options.source};
+  std::vector<FileText> files;
   if (options.source.ends_with(".mtx")) {
     const MatrixSource matrix = load_matrix(options.source, options.blocks);
     report.description = describe(matrix, options.blocks);
     report.graph = matrix.blocks.graph;
     report.added_entries = matrix.blocks.added_entries;
+    if (!options.write_blocks.empty()) files.push_back({options.write_blocks, block_map_text(matrix)});
   } else {
-    if (!options.blocks.empty())
-      throw DescriptionError(fmt::format("--blocks needs a matrix (.mtx), and '{}' is a scene", options.source));
+    for (const auto& [option, file] : {std::pair("--blocks", options.blocks), std::pair("--write-blocks", options.write_blocks)})
+      if (!file.empty())
+        throw DescriptionError(fmt::format("{} needs a matrix (.mtx), and '{}' is a scene", option, options.source));
     report.graph = physics::Simulator(load_scene(options.source).trajectory.mechanism).graph();
     report.description = fmt::format("a scene: {}, {} in all", count(report.graph.size(), "block", "blocks"),
                                      count(report.graph.rows(), "row", "rows"));
@@ -77,7 +82,6 @@ int analyze(const Options& options) {
     throw DescriptionError(fmt::format("{}: {}; take another ordering, or merge rows into blocks", options.source,
                                        report.left_out.front()));
   report.explain();
-  std::vector<FileText> files;
   if (!options.json.empty()) files.push_back({options.json, as_json(report)});
   if (!options.svg.empty()) files.push_back({options.svg, as_svg(report)});
   if (!options.dot.empty()) {
@@ -118,6 +122,7 @@ Command add_analyze(CLI::App& program) {
     command->add_option(name, path, help)->type_name("FILE")->group("Output")->check(file_name());
   };
   file("--json", options->json, "All figures");
+  file("--write-blocks", options->write_blocks, "The blocks of the matrix, a map for --blocks");
   file("--svg", options->svg, "Spy plot of the factor, fill coloured by cause");
   file("--dot", options->dot, "GraphViz: the graph, and the elimination tree beside it");
   command->footer(footer);

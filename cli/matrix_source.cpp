@@ -68,10 +68,18 @@ MatrixSource load_matrix(const std::string& path, const std::string& map_path) {
   });
   if (map_path.empty()) return source;
   translate_errors(map_path, [&] {
-    const io::BlockMap map = io::read_block_map(map_path);
+    io::BlockMap map = io::read_block_map(map_path);
     source.blocks = make_blocks(source.file.matrix, map.blocks, map.couplings);
+    source.couplings = std::move(map.couplings);
   });
   return source;
+}
+
+std::string block_map_text(const MatrixSource& source) {
+  io::BlockMap map = io::block_map(source.blocks);
+  for (const BlockCoupling& c : source.couplings)  // room for later entries, which the structure cannot tell from others
+    if (c.rank == EdgeRank::unknown) map.couplings.push_back(c);
+  return io::block_map_json(map);
 }
 
 std::string count(long long n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "graphsolve/block_detection.hpp"
 #include "graphsolve/io/matrix_market.hpp"
@@ -12,12 +13,16 @@ namespace cli {
 struct MatrixSource {
   graphsolve::io::MatrixFile file;
   graphsolve::BlockStructure blocks;
+  std::vector<graphsolve::BlockCoupling> couplings;  ///< of the block map that was given
   bool seeded = false;  ///< the file is a pattern: values were made up
 };
 
 /// Reads the matrix; blocks from the map, or found when `map` is empty. A pattern gets seeded values: symmetric when
 /// the file is, the diagonal dominant. Throws DescriptionError that names the file.
 MatrixSource load_matrix(const std::string& path, const std::string& map);
+
+/// The blocks as a file for --blocks: read again it gives the same graph.
+std::string block_map_text(const MatrixSource& source);
 
 /// Runs what may throw errors of graphsolve (std::invalid_argument, FileError), and throws them as DescriptionErrors;
 /// `name` is put before those that name no file.

@@ -107,6 +107,56 @@ TEST_F(MatrixCommand, NamesOfTheBlockMapAppearEscaped) {
   EXPECT_EQ(nlohmann::json::parse(text("x.json"))["blocks"], 2);
 }
 
+/// What does not depend on the clock.
+nlohmann::json without_times(const std::string& text) {
+  auto json = nlohmann::json::parse(text);
+  for (auto& row : json["orderings"]) row.erase("ordering_cpu_s"), row.erase("symbolic_cpu_s");
+  json.erase("findings");
+  return json;
+}
+
+TEST_F(MatrixCommand, TheMapThatAnalyzeWritesIsTakenByBothCommandsAndMayBeEdited) {
+  write("a.mtx", 4, {{0, 0, 2}, {1, 1, 3}, {0, 1, 1}, {1, 0, 1}, {2, 0, 1}, {0, 2, 1}, {2, 1, 1}, {1, 2, 1}, {3, 0, 1},
+                     {0, 3, 1}, {3, 1, -1}, {1, 3, -1}});
+  EXPECT_EQ(run("analyze a.mtx --write-blocks map.json --json found.json").code, 0);
+  const std::string map = text("map.json");
+  EXPECT_NE(map.find(R"({"name":"rows 3-4","dimension":2,"kind":"saddle"})"), std::string::npos) << map;
+  EXPECT_NE(map.find("full_row"), std::string::npos) << map;
+  const Outcome again = run("analyze a.mtx --blocks map.json --write-blocks again.json --json given.json");
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(text("again.json"), map);
+  EXPECT_EQ(without_times(text("given.json")), without_times(text("found.json")));
+  std::string edited = map;
+  while (edited.find("rows 3-4") != std::string::npos) edited.replace(edited.find("rows 3-4"), 8, "held");
+  write("edited.json", edited);
+  const Outcome solved = run("solve a.mtx --blocks edited.json");
+  EXPECT_EQ(solved.code, 0) << solved.err;
+  EXPECT_NE(solved.out.find("2 blocks from edited.json"), std::string::npos) << solved.out;
+}
+
+TEST_F(MatrixCommand, RoomThatAMapMakesForLaterEntriesIsWrittenAgain) {
+  write("chain.mtx", 4, line(4, Shape::chain));
+  write("map.json", R"({"format": "graphsolve-blocks", "version": 1, "blocks": [1, 1, 1, 1],
+                        "edges": [{"from": "row 1", "to": "row 4"}]})");
+  EXPECT_EQ(run("analyze chain.mtx --blocks map.json --write-blocks again.json --json a.json").code, 0);
+  EXPECT_EQ(run("analyze chain.mtx --blocks again.json --json b.json").code, 0);
+  EXPECT_EQ(without_times(text("a.json")), without_times(text("b.json")));
+  EXPECT_GT(nlohmann::json::parse(text("b.json"))["orderings"][0]["fill_blocks"], 0) << "the ring that the map closes";
+}
+
+TEST_F(MatrixCommand, AMapIsOnlyWrittenOfAMatrixAndOverNothingThatIsRead) {
+  write("a.mtx", 3, line(3, Shape::chain));
+  write("sizes.txt", "1 2\n");
+  EXPECT_EQ(refused("analyze a.mtx --write-blocks a.mtx"), "graphsolve: --write-blocks would overwrite the input 'a.mtx'\n");
+  EXPECT_EQ(refused("analyze a.mtx --blocks sizes.txt --write-blocks sizes.txt"),
+            "graphsolve: --write-blocks would overwrite the input 'sizes.txt'\n");
+  EXPECT_EQ(refused("analyze snake --write-blocks map.json"),
+            "graphsolve: --write-blocks needs a matrix (.mtx), and 'snake' is a scene\n");
+  write("twice.json", "{\"format\": \"graphsolve-blocks\", \"version\": 1,\n\"blocks\": [1, 2],\n\"blocks\": [3]}");
+  EXPECT_EQ(refused("solve a.mtx --blocks twice.json"),
+            "graphsolve: twice.json:3: the key 'blocks' is given twice in one object\n");
+}
+
 TEST_F(MatrixCommand, AnalyzeTakesAScene) {
   const Outcome outcome = run("analyze snake:n=4 --ordering minimum-fill --json x.json");
   EXPECT_EQ(outcome.code, 0) << outcome.err;

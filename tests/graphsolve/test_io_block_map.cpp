@@ -128,7 +128,30 @@ TEST(BlockMapFile, MistakesAreNamedWithTheirLine) {
   EXPECT_EQ(error_of(head + "  1,\n  {\"dimensi\\u006fn\":\n   0}]}"),
             "map.json:7: blocks[1].dimension: 0 is no whole number from 1 on");
   EXPECT_EQ(error_of(head + "  {\"dimension\":\n   1,\n   \"dimension\": 0}]}"),
-            "map.json:6: blocks[0].dimension: 0 is no whole number from 1 on");
+            "map.json:7: the key 'dimension' is given twice in one object");
+}
+
+TEST(BlockMapFile, AKeyGivenTwiceIsRefusedWithItsLine) {
+  EXPECT_EQ(error_of(blocks("[{\"dimension\": 1, \"name\": \"a\",\n \"n\\u0061me\": \"b\"}]")),
+            "map.json:2: the key 'name' is given twice in one object");
+  EXPECT_EQ(error_of("{\"format\": \"graphsolve-blocks\", \"version\": 1, \"blocks\": [1],\n\"blocks\": [1]}"),
+            "map.json:2: the key 'blocks' is given twice in one object");
+  EXPECT_EQ(error_of(blocks(R"([1, 1], "edges": [{"from": "row 1", "to": "row 2", "rank": "full", "rank": "unknown"}])")),
+            "map.json:1: the key 'rank' is given twice in one object");
+  EXPECT_EQ(error_of(blocks(R"([{"name": "a", "dimension": 1}, {"name": "b", "dimension": 1}])")), "accepted");
+}
+
+TEST(BlockMapFile, NamesThatAreNotUtf8AreRefusedBeforeAnythingIsWritten) {
+  BlockMap map = parse_block_map("1 1");
+  map.blocks[1].name = "Tr\xe4ger";
+  try {
+    (void)block_map_json(map);
+    FAIL() << "written";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), "the name of block 1, 'Tr?ger', is not UTF-8, which JSON must be; give it another one");
+  }
+  map.blocks[1].name = "Tr\xc3\xa4ger \"\n";
+  EXPECT_EQ(parse_block_map(block_map_json(map)).blocks[1].name, map.blocks[1].name);
 }
 
 TEST(LineOfJson, TheLastValueOnTheWayCounts) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <unordered_map>
 #include <utility>
 
@@ -199,6 +200,22 @@ std::string as_list(std::string_view text) {
   return list + "]";
 }
 
+bool is_utf8(const std::string& text) {
+  try {
+    (void)Json(text).dump();
+    return true;
+  } catch (const Json::type_error&) {
+    return false;
+  }
+}
+
+/// With a question mark in place of each byte that is not ASCII.
+std::string printable(const std::string& text) {
+  std::string shown;
+  for (const char c : text) shown += static_cast<unsigned char>(c) < 0x80 ? c : '?';
+  return shown;
+}
+
 }  // namespace
 
 BlockMap parse_block_map(std::string_view text, std::string_view name) {
@@ -209,6 +226,8 @@ BlockMap parse_block_map(std::string_view text, std::string_view name) {
   const Reader reader(name, json ? text : list);
   try {
     const Json value = Json::parse(json ? text : list);
+    if (const auto again = repeated_key(json ? text : list))
+      throw FileError(name, again->line, "the key '" + again->key + "' is given twice in one object");
     return value.is_array() ? read_sizes(reader, value, "") : read_object(reader, value);
   } catch (const nlohmann::json::parse_error& error) {
     if (!json) reader.fail("", "this is neither JSON nor a list of block sizes");
@@ -242,6 +261,9 @@ std::string block_map_json(const BlockMap& map) {
   Json blocks = Json::array(), edges = Json::array();
   int next = 0;
   for (const Block& block : map.blocks) {
+    if (!is_utf8(block.name))
+      throw std::invalid_argument("the name of block " + std::to_string(&block - map.blocks.data()) + ", '" +
+                                  printable(block.name) + "', is not UTF-8, which JSON must be; give it another one");
     Json json{{"name", block.name}};
     bool consecutive = true;
     for (const int row : block.rows) consecutive = consecutive && row == next++;

@@ -1,6 +1,8 @@
 #include "graphsolve/io/json_lines.hpp"
 
 #include <nlohmann/json.hpp>
+#include <unordered_set>
+#include <vector>
 
 namespace graphsolve::io {
 
@@ -67,6 +69,42 @@ class LineFinder {
   std::string key_;         ///< of it
 };
 
+/// Likewise; ends the parse at the first key that its object has already.
+class RepetitionFinder {
+ public:
+  explicit RepetitionFinder(const LinePosition& position) : position_(position) {}
+
+  bool null() { return true; }
+  bool boolean(bool) { return true; }
+  bool number_integer(Json::number_integer_t) { return true; }
+  bool number_unsigned(Json::number_unsigned_t) { return true; }
+  bool number_float(Json::number_float_t, const std::string&) { return true; }
+  bool string(std::string&) { return true; }
+  bool binary(Json::binary_t&) { return false; }
+  bool start_object(std::size_t) {
+    keys_.emplace_back();
+    return true;
+  }
+  bool end_object() {
+    keys_.pop_back();
+    return true;
+  }
+  bool start_array(std::size_t) { return true; }
+  bool end_array() { return true; }
+  bool key(std::string& name) {
+    if (keys_.back().insert(name).second) return true;
+    found = RepeatedKey{name, position_.line};
+    return false;
+  }
+  bool parse_error(std::size_t, const std::string&, const Json::exception&) { return false; }
+
+  std::optional<RepeatedKey> found;
+
+ private:
+  const LinePosition& position_;
+  std::vector<std::unordered_set<std::string>> keys_;  ///< of the objects that have begun and not ended
+};
+
 }  // namespace
 
 std::int64_t line_of(std::string_view json, std::span<const PathStep> path) {
@@ -75,6 +113,14 @@ std::int64_t line_of(std::string_view json, std::span<const PathStep> path) {
   const LineCounter first(json.data(), &position), last(json.data() + json.size(), &position);
   Json::sax_parse(first, last, &finder);
   return finder.line;
+}
+
+std::optional<RepeatedKey> repeated_key(std::string_view json) {
+  LinePosition position;
+  RepetitionFinder finder(position);
+  const LineCounter first(json.data(), &position), last(json.data() + json.size(), &position);
+  Json::sax_parse(first, last, &finder);
+  return finder.found;
 }
 
 }  // namespace graphsolve::io

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -49,5 +50,12 @@ struct PathStep {
 /// Line, from 1, where the value at a path begins in a text that is valid JSON, nested as deep as it may be. The last
 /// value on the way that is there counts, and of a key given twice the first.
 std::int64_t line_of(std::string_view json, std::span<const PathStep> path);
+
+struct RepeatedKey {
+  std::string key;
+  std::int64_t line = 1;  ///< of the second one
+};
+/// The first key that an object of a text holds twice, which nlohmann::json lets pass. The text is valid JSON.
+std::optional<RepeatedKey> repeated_key(std::string_view json);
 
 }  // namespace graphsolve::io
