@@ -59,14 +59,18 @@ function(graphsolve_prepare_export target prefix)
 endfunction()
 
 # Before 1.0 every minor version may break the binary interface.
-set_target_properties(graphsolve physics PROPERTIES VERSION ${PROJECT_VERSION}
-  SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
-set_target_properties(physics PROPERTIES OUTPUT_NAME graphsolve_physics)
-
+set(libraries graphsolve)
 graphsolve_prepare_export(graphsolve solver)
-graphsolve_prepare_export(physics physics)
+set(physics_packages)
+if(TARGET physics)
+  list(APPEND libraries physics)
+  set_target_properties(physics PROPERTIES OUTPUT_NAME graphsolve_physics)
+  graphsolve_prepare_export(physics physics)
+endif()
+set_target_properties(${libraries} PROPERTIES VERSION ${PROJECT_VERSION}
+  SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 
-foreach(library graphsolve physics)
+foreach(library IN LISTS libraries)
   install(TARGETS ${library} EXPORT ${library}Targets
     LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT development
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
@@ -98,6 +102,10 @@ foreach(package METIS SuiteSparse Boost)
     list(APPEND without_orderings ${package})
   endif()
 endforeach()
+set(with_physics OFF)
+if(TARGET physics)
+  set(with_physics ON)
+endif()
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/graphsolveConfig.cmake.in
   ${PROJECT_BINARY_DIR}/graphsolveConfig.cmake INSTALL_DESTINATION ${graphsolve_config_dir}
   NO_SET_AND_CHECK_MACRO)
@@ -115,7 +123,11 @@ endforeach()
 set(pc_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 file(RELATIVE_PATH pc_to_prefix /${pc_dir} /)
 string(REGEX REPLACE "/$" "" pc_to_prefix "${pc_to_prefix}")
-foreach(library graphsolve graphsolve-physics)
+set(pc_files graphsolve)
+if(TARGET physics)
+  list(APPEND pc_files graphsolve-physics)
+endif()
+foreach(library IN LISTS pc_files)
   # Where there is no shared library nobody asks for the static one by name: it needs its libraries always.
   if(library STREQUAL graphsolve)
     set(links "${solver_links}")

@@ -25,6 +25,12 @@ set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Sparse block solver on graphs, rigi
  Headers, libraries, CMake package (graphsolve::graphsolve, graphsolve::physics) and pkg-config files.")
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "Simulates rigid bodies with hard contact, analyses and solves sparse systems
  The program graphsolve: simulation of scene files, studies of cost and precision, sparse systems from Matrix Market files.")
+if(NOT TARGET physics)
+  set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "Sparse block solver on graphs: shared library
+ Solves saddle-point and complementarity systems that are graphs of small dense blocks.")
+  set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Sparse block solver on graphs: development files
+ Headers, library, CMake package (graphsolve::graphsolve) and pkg-config file.")
+endif()
 
 set(CPACK_COMPONENTS_ALL development)
 if(TARGET graphsolve_cli)
@@ -52,7 +58,10 @@ if(BUILD_SHARED_LIBS)
   list(APPEND needed "libgraphsolve${so_version} (= ${PROJECT_VERSION})")
   set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "libgraphsolve${so_version} (= ${PROJECT_VERSION})")
   set(CPACK_DEBIAN_RUNTIME_PACKAGE_GENERATE_SHLIBS ON)
-  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/graphsolve ${PROJECT_BINARY_DIR}/physics)
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/graphsolve)
+  if(TARGET physics)
+    list(APPEND CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/physics)
+  endif()
 endif()
 list(REMOVE_DUPLICATES needed)
 list(JOIN needed ", " CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS)
