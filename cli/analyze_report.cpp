@@ -77,11 +77,42 @@ std::string name_of_cause(const FillCause& cause, const BlockGraph& graph) {
   return cause.nodes.size() > most ? text + ", ..." : text;
 }
 
+/// "31 blocks in a front of 96 rows: 'a', 'b', 'c', ...".
+std::string name_of_front(const FillFront& front, const BlockGraph& graph) {
+  std::string text = fmt::format("{} in a front of {}:", count(static_cast<long long>(front.nodes.size()), "block", "blocks"),
+                                 count(front.rows, "row", "rows"));
+  constexpr std::size_t most = 3;
+  for (std::size_t k = 0; k < std::min(most, front.nodes.size()); ++k)
+    text += fmt::format("{} '{}'", k ? "," : "", graph.name(front.nodes[k]));
+  return front.nodes.size() > most ? text + ", ..." : text;
+}
+
 double percent(std::int64_t part, std::int64_t whole) {
   return whole == 0 ? 0 : 100 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
 }  // namespace
+
+/// Where one cause has so much fill that its name tells little.
+void AnalyzeReport::explain_fronts() {
+  constexpr std::size_t most = 5;
+  constexpr std::int64_t much_fill = 100;
+  const auto& fronts = analysis->fronts;
+  if (analysis->causes.front().price.blocks <= much_fill || fronts.size() < 2) return;
+  const std::int64_t all = best().symbolic->counts().operations;
+  findings.push_back("where that is paid, by blocks that are eliminated as one:");
+  FillPrice rest = analysis->total;
+  const auto line = [&](const FillPrice& price, const std::string& what) {
+    findings.push_back(fmt::format("  {}, {} operations ({:.1f} % of all): {}", count(price.blocks, "fill block", "fill blocks"),
+                                   price.operations, percent(price.operations, all), what));
+  };
+  for (std::size_t f = 0; f < std::min(most, fronts.size()); ++f) {
+    line(fronts[f].price, name_of_front(fronts[f], graph));
+    rest.blocks -= fronts[f].price.blocks;
+    rest.operations -= fronts[f].price.operations;
+  }
+  if (fronts.size() > most) line(rest, count(static_cast<long long>(fronts.size() - most), "more front", "more fronts"));
+}
 
 void AnalyzeReport::explain() {
   findings = left_out;
@@ -108,6 +139,7 @@ void AnalyzeReport::explain() {
                                    count(found[c].price.blocks, "fill block", "fill blocks"), found[c].price.operations,
                                    percent(found[c].price.operations, counts.operations), causes.names[c]));
   if (found.size() > most) findings.push_back(fmt::format("  and {} causes more", found.size() - most));
+  explain_fronts();
   if (analysis->edge) {
     const EdgeSaving& edge = *analysis->edge;
     findings.push_back(fmt::format("without the edge '{}' - '{}': {} fewer, {} operations ({:.1f} %) saved{}", graph.name(edge.a),
@@ -152,6 +184,13 @@ void add_attribution(const AnalyzeReport& report, Json& json) {
     for (const NodeId node : cause.nodes) item["blocks"].push_back(graph.name(node));
     item.update(to_json(cause.price));
     json["fill"]["causes"].push_back(item);
+  }
+  json["fill"]["fronts"] = Json::array();
+  for (const FillFront& front : report.analysis->fronts) {
+    Json item{{"rows", front.rows}, {"blocks", Json::array()}};
+    for (const NodeId node : front.nodes) item["blocks"].push_back(graph.name(node));
+    item.update(to_json(front.price));
+    json["fill"]["fronts"].push_back(item);
   }
   if (!report.analysis->edge) return;
   const EdgeSaving& edge = *report.analysis->edge;

@@ -41,6 +41,7 @@ struct AnalyzeReport {
   void add(graphsolve::OrderingMethod method);
   /// Attributes the fill of the best ordering.
   void explain();
+  void explain_fronts();
   /// The ordering of fewest operations.
   [[nodiscard]] const Row& best() const;
 

@@ -1,6 +1,7 @@
 #include "graphsolve/fill_analysis.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -38,6 +39,29 @@ void price_pivot(const Symbolic& symbolic, int k, const Biconnected& biconnected
                       .cause = biconnected.common(first, later),
                       .price = {1, 2 * d * g, g * d * d + d * g * (2 * unfilled + filled)}});
   }
+}
+
+/// Fronts of all pivots, then those with fill, most operations first. What a pivot is coupled with, but for its parent, the
+/// parent is coupled with too: equal numbers are equal sets.
+std::vector<FillFront> find_fronts(const Symbolic& symbolic, const std::vector<FillBlock>& blocks) {
+  const int n = symbolic.pivots();
+  std::vector<int> child(n, -1), front_of(n, -1);  // the pivot that comes before this one in its front
+  for (int k = 0; k < n; ++k)
+    if (const int p = symbolic.parent(k); p >= 0 && symbolic.coupled(k).size() == symbolic.coupled(p).size() + 1) child[p] = k;
+  std::vector<FillFront> fronts;
+  for (int k = 0; k < n; ++k) {
+    if (child[k] < 0) {
+      front_of[k] = static_cast<int>(fronts.size());
+      fronts.push_back({.nodes = {}, .rows = symbolic.dimension(k) + symbolic.pivot(k).coupled_rows, .price = {}});
+    } else {
+      front_of[k] = front_of[child[k]];
+    }
+    fronts[front_of[k]].nodes.push_back(symbolic.node(k));
+  }
+  for (const FillBlock& block : blocks) fronts[front_of[symbolic.position(block.first)]].price += block.price;
+  std::erase_if(fronts, [](const FillFront& front) { return front.price.blocks == 0; });
+  std::ranges::stable_sort(fronts, std::greater<>(), [](const FillFront& front) { return front.price.operations; });
+  return fronts;
 }
 
 /// Sorts the causes, most operations first, and drops those without fill; the blocks' indices follow.
@@ -82,6 +106,7 @@ FillAnalysis analyze_fill(const BlockGraph& graph, const Symbolic& symbolic) {
   }
   result.operations_unfilled = result.counts.operations - result.total.operations;
   sort_causes(result);
+  result.fronts = find_fronts(symbolic, result.blocks);
   result.edge = find_edge_saving(graph, symbolic, result.causes);
   return result;
 }

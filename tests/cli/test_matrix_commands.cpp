@@ -73,6 +73,32 @@ TEST_F(MatrixCommand, AnalyzeDrawsTheRingWithItsFillAndTheTree) {
   EXPECT_EQ(occurrences(tree, " -> "), 11);
 }
 
+/// Of a mesh of 400 rows, which is one component, the separators are named; of the small ring above nothing more is said.
+TEST_F(MatrixCommand, AnalyzeSaysWhereTheFillOfAMeshIsPaid) {
+  constexpr int n = 20;
+  std::vector<Triplet> mesh;
+  const auto connect = [&](int i, int j) { mesh.insert(mesh.end(), {{i, j, -1}, {j, i, -1}}); };
+  for (int i = 0; i < n * n; ++i) {
+    mesh.push_back({i, i, 5});
+    if (i % n + 1 < n) connect(i, i + 1);
+    if (i + n < n * n) connect(i, i + n);
+  }
+  write("mesh.mtx", n * n, mesh);
+  const Outcome outcome = run("analyze mesh.mtx --ordering minimum-fill --json mesh.json");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("where that is paid, by blocks that are eliminated as one:\n"), std::string::npos) << outcome.out;
+  EXPECT_EQ(occurrences(outcome.out, " rows: 'row "), 5) << outcome.out;
+  EXPECT_NE(outcome.out.find(" more fronts\n"), std::string::npos) << outcome.out;
+  const auto fill = nlohmann::json::parse(text("mesh.json"))["fill"];
+  for (const char* key : {"fill_blocks", "fill_scalars", "operations"}) {
+    std::int64_t sum = 0;
+    for (const auto& front : fill["fronts"]) sum += front[key].get<std::int64_t>();
+    EXPECT_EQ(sum, fill[key]) << key;
+  }
+  write("ring.mtx", 12, line(12, Shape::ring));
+  EXPECT_EQ(run("analyze ring.mtx --ordering natural").out.find("where that is paid"), std::string::npos);
+}
+
 TEST_F(MatrixCommand, LargeMatricesAreDrawnInPixelsAndTheFileStaysSmall) {
   write("long.mtx", 3000, line(3000, Shape::ring));
   const Outcome outcome = run("analyze long.mtx --ordering natural --svg long.svg");

@@ -116,7 +116,7 @@ TEST(FillAnalysis, AttributionSumsToTheFillOn1000RandomGraphs) {
     const Symbolic symbolic(graph, make_ordering(graph, method_of(seed)));
     const FillAnalysis analysis = analyze_fill(graph, symbolic);
     const Symbolic::Counts& counts = symbolic.counts();
-    FillPrice blocks, causes;
+    FillPrice blocks, causes, fronts;
     std::int64_t unfilled = 0;
     std::set<std::pair<NodeId, NodeId>> seen;
     for (const FillBlock& b : analysis.blocks) {
@@ -135,6 +135,21 @@ TEST(FillAnalysis, AttributionSumsToTheFillOn1000RandomGraphs) {
       causes.operations += c.price.operations;
       (c.cycles > 0 ? by_cycles : by_order) += c.price.blocks;
     }
+    std::set<NodeId> in_front;
+    for (const FillFront& f : analysis.fronts) {
+      fronts.blocks += f.price.blocks;
+      fronts.scalars += f.price.scalars;
+      fronts.operations += f.price.operations;
+      int rows = 0, last = -1;
+      for (const NodeId node : f.nodes) {
+        EXPECT_TRUE(in_front.insert(node).second);
+        const int k = symbolic.position(node);
+        EXPECT_TRUE(last < 0 || symbolic.parent(last) == k) << "seed " << seed;
+        rows += symbolic.dimension(last = k);
+      }
+      EXPECT_EQ(f.rows, rows + symbolic.pivot(last).coupled_rows);
+    }
+    for (const FillBlock& b : analysis.blocks) EXPECT_TRUE(in_front.contains(b.first));
     // Without fill: every pivot with what the graph alone couples to it.
     for (int k = 0; k < symbolic.pivots(); ++k) {
       BlockGraph front;
@@ -149,6 +164,7 @@ TEST(FillAnalysis, AttributionSumsToTheFillOn1000RandomGraphs) {
     }
     ASSERT_EQ(blocks, analysis.total) << "seed " << seed;
     ASSERT_EQ(causes, analysis.total) << "seed " << seed;
+    ASSERT_EQ(fronts, analysis.total) << "seed " << seed;
     ASSERT_EQ(analysis.total.blocks, counts.fill_blocks) << "seed " << seed;
     ASSERT_EQ(analysis.total.scalars, counts.stored_scalars - counts.matrix_scalars) << "seed " << seed;
     ASSERT_EQ(analysis.operations_unfilled, unfilled) << "seed " << seed;
@@ -170,6 +186,31 @@ TEST(FillAnalysis, ATreeInItsNaturalOrderFillsByItsOrderAlone) {
   EXPECT_EQ(analysis.causes[0].price.blocks, 6);
   EXPECT_EQ(analysis.edge, std::nullopt);
   EXPECT_TRUE(analyze_fill(star, Symbolic(star, minimum_fill_ordering(star))).causes.empty());
+}
+
+/// One biconnected component, which tells nothing: the middle line, eliminated last, is the separator that pays.
+TEST(FillAnalysis, OfAMeshTheSeparatorIsNamed) {
+  NEEDS_BOOST();
+  constexpr int n = 9;
+  BlockGraph mesh;
+  for (int i = 0; i < n * n; ++i) mesh.add_node("row " + std::to_string(i / n) + " column " + std::to_string(i % n), 1);
+  for (int i = 0; i < n * n; ++i) {
+    if (i % n + 1 < n) mesh.add_edge({i}, {i + 1});
+    if (i + n < n * n) mesh.add_edge({i}, {i + n});
+  }
+  std::vector<NodeId> sequence;
+  for (const bool middle : {false, true})
+    for (int i = 0; i < n * n; ++i)
+      if ((i % n == n / 2) == middle) sequence.push_back({i});
+  const FillAnalysis analysis = analyze_fill(mesh, Symbolic(mesh, user_ordering(mesh, sequence)));
+  ASSERT_EQ(analysis.causes.size(), 1u);
+  ASSERT_GT(analysis.fronts.size(), 1u);
+  const auto separator = std::ranges::find(analysis.fronts, sequence.back(), [](const FillFront& f) { return f.nodes.back(); });
+  ASSERT_NE(separator, analysis.fronts.end());
+  ASSERT_GE(separator->nodes.size(), std::size_t{n});
+  EXPECT_TRUE(std::equal(sequence.end() - n, sequence.end(), separator->nodes.end() - n)) << "the whole line";
+  EXPECT_EQ(separator->rows, static_cast<int>(separator->nodes.size())) << "nothing stays after it";
+  EXPECT_GE(separator->price.blocks, n * (n - 1) / 2 - (n - 1)) << "all pairs but neighbours";
 }
 
 TEST(FillAnalysis, TwoLoopsThatShareANodeAreTwoCauses) {

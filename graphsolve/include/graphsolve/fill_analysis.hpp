@@ -35,6 +35,15 @@ struct FillBlock {
   FillPrice price;      ///< blocks = 1
 };
 
+/// Where fill is paid for, finer than cycles can be told apart: nodes eliminated one after the other of which each is
+/// coupled in the factor with the next one and with what that is coupled with, no more, such as a separator. Together they
+/// are one dense block with the rest of their front below.
+struct FillFront {
+  std::vector<NodeId> nodes;  ///< in order of elimination
+  int rows = 0;               ///< of the front: theirs, and those coupled with them that stay
+  FillPrice price;            ///< of the fill blocks whose `first` is one of them
+};
+
 /// What leaving out one edge would save. Both sides are ordered afresh by minimum fill, within the edge's
 /// biconnected component alone: saving = price with the edge - price without.
 struct EdgeSaving {
@@ -48,10 +57,11 @@ struct EdgeSaving {
 
 struct FillAnalysis {
   Symbolic::Counts counts;
-  FillPrice total;                        ///< of all fill: the exact sum over `blocks` and over `causes`
+  FillPrice total;                        ///< of all fill: the exact sum over `blocks`, over `causes` and over `fronts`
   std::int64_t operations_unfilled = 0;   ///< counts.operations - total.operations
   std::vector<FillCause> causes;          ///< most operations first
   std::vector<FillBlock> blocks;          ///< every fill block once, in order of elimination
+  std::vector<FillFront> fronts;          ///< those with fill, most operations first; no node is in two
   std::optional<EdgeSaving> edge;         ///< whose removal saves most operations; none where no removal saves any
 };
 
