@@ -195,6 +195,35 @@ TEST(RobustSolver, ContradictingColumnsAreNamedWhereATransposedSystemHasNoSoluti
   EXPECT_EQ(x, Eigen::VectorXd::Constant(b.size(), untouched));
 }
 
+/// x0 + x1 = 1 and = 1 + 1e-8, of numbers near 1e6: a backward error would not tell.
+TEST(RobustSolver, SmallContradictionsAmongLargeNumbersAreFoundOnBothSides) {
+  BlockGraph graph;
+  const NodeId x = graph.add_node("x", 2);
+  const NodeId c[2] = {graph.add_node("one", 1, NodeKind::saddle), graph.add_node("other", 1, NodeKind::saddle)};
+  for (const NodeId node : c) graph.add_edge(node, x, EdgeRank::full_row);
+  RobustSolver solver(graph);
+  const Symbolic& s = solver.symbolic();
+  for (int i = 0; i < 2; ++i) {
+    solver.entry(s.block(x, x), i, i) = 1;
+    for (const NodeId node : c) {
+      solver.entry(s.block(node, x), 0, i) = 1;
+      solver.entry(s.block(x, node), i, 0) = -1;
+    }
+  }
+  for (const double sign : {1.0, -1.0}) {  // of J in A and in A^T
+    std::vector<double> b{1e6, -1e6, sign, sign * (1 + 1e-8)}, y(4, untouched);
+    auto report = sign > 0 ? solver.solve(b, y) : solver.solve_transposed(b, y);
+    EXPECT_EQ(report.status, Status::singular) << sign << report.backward_error;
+    const std::string what = sign > 0 ? "no solution: the rows of " : "no solution: the columns of ";
+    EXPECT_EQ(report.why.find(what + "'one', 'other'"), 0u) << report.why;
+    EXPECT_EQ(y, std::vector<double>(4, untouched));
+    b[3] = b[2];
+    report = sign > 0 ? solver.solve(b, y) : solver.solve_transposed(b, y);
+    EXPECT_EQ(report.status, Status::solved) << report.why;
+    EXPECT_NEAR(y[0] + y[1], 1, 1e-9);
+  }
+}
+
 TEST(RobustSolver, NumbersThatAreNoneAreNamedAlsoWhereTheSystemIsTransposed) {
   RobustSolver solver(two_nodes());
   fill(solver, 1, std::numeric_limits<double>::quiet_NaN(), 0, 1);
