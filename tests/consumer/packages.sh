@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Builds shared libraries and Debian packages of them, looks into the packages, and builds two tiny programs against what
 # is in them. Nothing is installed on this machine.
-# Usage: tests/consumer/packages.sh WORK_DIR [cmake OPTION...]     (WORK_DIR is emptied)
+# Usage: tests/consumer/packages.sh WORK_DIR [--build DIR] [cmake OPTION...]     (WORK_DIR is emptied)
+#        --build DIR: turn this build of static libraries into one of shared ones: nothing is compiled again
 set -euo pipefail
 source_dir="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)"
 work="$1"
@@ -10,12 +11,17 @@ rm -rf -- "$work"
 mkdir -p -- "$work"
 work="$(cd "$work" && pwd)"
 fail() { printf 'packages: %s\n' "$*" >&2; exit 1; }
+build="$work/build"
+if [[ ${1:-} == --build ]]; then
+  build="$(cd "$2" && pwd)"
+  shift 2
+fi
 
-cmake -S "$source_dir" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS=ON \
+cmake -S "$source_dir" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS=ON \
   -DGRAPHSOLVE_BUILD_TESTS=OFF -DGRAPHSOLVE_BUILD_BENCH=OFF -DGRAPHSOLVE_BUILD_BASELINES=OFF \
   -DGRAPHSOLVE_BUILD_EXAMPLES=OFF "$@" >"$work/configure.log"
-cmake --build "$work/build" --parallel "$(nproc)" >"$work/build.log" || { tail -n 40 "$work/build.log" >&2; exit 1; }
-(cd "$work" && cpack -G DEB --config build/CPackConfig.cmake >cpack.log 2>&1) || { cat "$work/cpack.log" >&2; exit 1; }
+cmake --build "$build" --parallel "$(nproc)" >"$work/build.log" || { tail -n 40 "$work/build.log" >&2; exit 1; }
+(cd "$work" && cpack -G DEB --config "$build/CPackConfig.cmake" >cpack.log 2>&1) || { cat "$work/cpack.log" >&2; exit 1; }
 
 for name in libgraphsolve-dev graphsolve 'libgraphsolve[0-9]*'; do
   # shellcheck disable=SC2206

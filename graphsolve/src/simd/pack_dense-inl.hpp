@@ -249,16 +249,21 @@ HWY_INLINE void product_lower(const double* l, const double* w, int rows, int d,
   for (int c = 0; c < rows; ++c) product<D, 1, L>(l, w + c * d * L, rows, d, c, c * rows, f);
 }
 
+/// Which dimensions are constants: the usual ones, where a pack is one register or two. Where it is more (plain code, which
+/// hardly any machine falls back to) that gains a tenth to a third, and takes longer to compile than all else here.
+template <int D, int L>
+inline constexpr int compiled_dimension = PackOf<L>::parts > 2 ? 0 : D;
+
 /// function<D, L>(...) with the usual dimensions as constants.
-#define GRAPHSOLVE_BY_DIMENSION(L, d, function, ...)  \
-  switch (d) {                                        \
-    case 1: return function<1, L>(__VA_ARGS__);       \
-    case 2: return function<2, L>(__VA_ARGS__);       \
-    case 3: return function<3, L>(__VA_ARGS__);       \
-    case 4: return function<4, L>(__VA_ARGS__);       \
-    case 5: return function<5, L>(__VA_ARGS__);       \
-    case 6: return function<6, L>(__VA_ARGS__);       \
-    default: return function<0, L>(__VA_ARGS__);      \
+#define GRAPHSOLVE_BY_DIMENSION(L, d, function, ...)                   \
+  switch (d) {                                                         \
+    case 1: return function<compiled_dimension<1, L>, L>(__VA_ARGS__);    \
+    case 2: return function<compiled_dimension<2, L>, L>(__VA_ARGS__);    \
+    case 3: return function<compiled_dimension<3, L>, L>(__VA_ARGS__);    \
+    case 4: return function<compiled_dimension<4, L>, L>(__VA_ARGS__);    \
+    case 5: return function<compiled_dimension<5, L>, L>(__VA_ARGS__);    \
+    case 6: return function<compiled_dimension<6, L>, L>(__VA_ARGS__);    \
+    default: return function<0, L>(__VA_ARGS__);                       \
   }
 #define GRAPHSOLVE_BY_SHAPE(lanes, d, function, ...)                \
   switch (lanes) {                                                  \
