@@ -20,27 +20,31 @@ struct Halves {
   PackOf<L> first[half * half], second[half * half];
 };
 
-/// Takes the halves out of a block if nothing couples them, in any lane. NaN couples.
+/// Does nothing couple the halves of a block, in any lane? NaN couples.
 template <int D, int L>
-HWY_INLINE bool halves_apart(const PackOf<L>* a, Halves<D, L>& halves) {
+HWY_INLINE bool halves_apart(const double* a) {
   constexpr int half = D / 2;
   PackOf<L> below(0.0), right(0.0);
 #pragma GCC unroll 6
   for (int c = 0; c < half; ++c)
 #pragma GCC unroll 6
     for (int r = half; r < D; ++r) {
-      below += abs(a[c * D + r]);
-      right += abs(a[r * D + c]);
+      below = bit_or(below, load<L>(a + (c * D + r) * L));
+      right = bit_or(right, load<L>(a + (r * D + c) * L));
     }
-  if (bits(below + right <= PackOf<L>(0.0)) != all_lanes<L>) return false;
+  return bits(abs(bit_or(below, right)) <= PackOf<L>(0.0)) == all_lanes<L>;
+}
+
+template <int D, int L>
+HWY_INLINE void load_halves(const double* from, Halves<D, L>& halves) {
+  constexpr int half = D / 2;
 #pragma GCC unroll 6
   for (int c = 0; c < half; ++c)
 #pragma GCC unroll 6
     for (int r = 0; r < half; ++r) {
-      halves.first[c * half + r] = a[c * D + r];
-      halves.second[c * half + r] = a[(half + c) * D + half + r];
+      halves.first[c * half + r] = load<L>(from + (c * D + r) * L);
+      halves.second[c * half + r] = load<L>(from + ((half + c) * D + half + r) * L);
     }
-  return true;
 }
 
 template <int D, int L>

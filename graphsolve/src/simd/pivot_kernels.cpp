@@ -49,28 +49,27 @@ HWY_INLINE void load_references(const PackJob& job, int d, PackOf<L>* reference)
   for (int p = 0; p < d; ++p) reference[p] = load<L>(from + p * L);
 }
 
-/// Coupling i loses this on its diagonal: remembers the largest amount per row; where pivots share couplings, lane after
-/// lane.
+/// The block of coupling i loses this square (columns first): remembers the largest amount per row of its diagonal; where
+/// pivots share couplings, lane after lane.
 template <int L>
-void remember(const PackJob& job, int i, const PackOf<L>* diagonal, int rows) {
+void remember(const PackJob& job, int i, const double* lost, int rows) {
   const Target& target = job.program.row_targets(job.pack)[i];
+  const int next = (rows + 1) * L;
   if (target.place >= 0) {
     const MaskOf<L> mask = lanes_of<L>(job.active);
-    for (int q = 0; q < rows; ++q) {
+    for (int q = 0; q < rows; ++q, lost += next) {
       double* at = job.numbers.reference + target.place + q * target.stride;
-      const PackOf<L> before = load<L>(at);
-      store(select(mask, select(abs(diagonal[q]) > abs(before), -diagonal[q], before), before), at);
+      const PackOf<L> before = load<L>(at), added = -load<L>(lost);
+      store(select(mask, select(abs(added) > abs(before), added, before), before), at);
     }
     return;
   }
-  HWY_ALIGN double lost[L * largest_dimension];
-  for (int q = 0; q < rows; ++q) store(diagonal[q], lost + q * L);
   for (int l = 0; l < L; ++l) {
     if (!(job.active >> l & 1u)) continue;
     const Target& lane = job.program.scattered()[~target.place + l];
     double* at = job.numbers.reference + lane.place;
     for (int q = 0; q < rows; ++q, at += lane.stride) {
-      const double added = -lost[q * L + l];
+      const double added = -lost[q * next + l];
       *at = std::abs(added) > std::abs(*at) ? added : *at;  // no branch: unpredictable
     }
   }
@@ -113,69 +112,59 @@ void subtract_all(const PackJob& job, bool symmetric) {
   }
 }
 
-/// What the products do to one block. Values, not references: stores of vectors may be anything's for the compiler, which
-/// would load strides again after each.
-template <int L>
-struct Taker {
-  double* to;
-  std::ptrdiff_t stride;
-  bool whole;
-  MaskOf<L> mask;
-
-  HWY_INLINE Taker(const PackJob& job, const Target& target)
-      : to(job.numbers.values + target.place), stride(target.stride), whole(job.active == all_lanes<L>),
-        mask(lanes_of<L>(job.active)) {}
-  HWY_INLINE void operator()(int i, const PackOf<L>& lost) const {
-    double* at = to + i * stride;
-    const PackOf<L> before = load<L>(at), after = before - lost;
-    store(whole ? after : select(mask, after, before), at);
-  }
-};
-
 /// One block between couplings: i is `row` rows down, j `column`.
 struct Between {
   int i, j, row, column;
+  bool lower;  ///< on the diagonal of a symmetric matrix: the lower triangle only
+  bool watch;  ///< what its diagonal loses is remembered
 };
 
-/// Of a block that is on the diagonal of a symmetric matrix the lower triangle. `watch`: its diagonal is remembered.
+/// A block loses T, which lies interleaved, in the lanes that are active.
+template <int L>
+void subtract_lanes(const PackJob& job, const Between& at, const Target& target, const double* t) {
+  const Shape& shape = job.program.shape(job.pack);
+  const int rows = shape.coupled[at.i], columns = shape.coupled[at.j];
+  if (target.place < 0) {
+    for (int l = 0; l < L; ++l)
+      if (job.active >> l & 1u)
+        subtract_lane<L>(job, l, job.program.scattered()[~target.place + l], t, rows, columns, at.lower);
+    return;
+  }
+  const MaskOf<L> mask = lanes_of<L>(job.active);
+  for (int c = 0; c < columns; ++c)
+    for (int i = c * rows + (at.lower ? c : 0); i < (c + 1) * rows; ++i) {
+      double* to = job.numbers.values + target.place + static_cast<std::ptrdiff_t>(i) * target.stride;
+      const PackOf<L> before = load<L>(to);
+      store(select(mask, before - load<L>(t + i * L), before), to);
+    }
+}
+
+template <int D, int L, bool Lower, class F>
+HWY_INLINE void each_product(const double* l, const double* w, int rows, int columns, int d, F&& f) {
+  if constexpr (Lower) product_lower<D, L>(l, w, rows, d, f);
+  else product_block<D, L>(l, w, rows, columns, d, f);
+}
+
+/// The block between two couplings loses L W. Usually at once; elsewhere the product is kept first.
 template <int D, int L, bool Lower>
-HWY_INLINE void update_block(const PackJob& job, const Between& at, const double* l, const double* w, int d, bool watch) {
+HWY_INLINE void update_block(const PackJob& job, const Between& at, const double* l, const double* w, int d) {
   const Shape& shape = job.program.shape(job.pack);
   const int rows = shape.coupled[at.i], columns = shape.coupled[at.j];
   const Target& target = job.program.targets(job.pack)[at.i * shape.couplings() + at.j];
-  const auto products = [&](auto&& f) HWY_ATTR {
-    if constexpr (Lower) product_lower<D, L>(l, w, rows, d, f);
-    else product_block<D, L>(l, w, rows, columns, d, f);
-  };
-  PackOf<L> diagonal[largest_dimension];
-  PackOf<L>* to = diagonal;
-  int next = 0;
-  const auto note = [&](int k, const PackOf<L>& lost) HWY_ATTR {
-    if (k != next) return;
-    *to++ = lost;
-    next += rows + 1;
-  };
-  if (target.place >= 0) {
-    const Taker<L> take(job, target);
-    if (!watch) return products(take);
-    products([&](int k, const PackOf<L>& lost) HWY_ATTR {
-      note(k, lost);
-      take(k, lost);
+  if (target.place >= 0 && job.active == all_lanes<L> && !at.watch) {
+    double* to = job.numbers.values + target.place;
+    // A copy: stores of vectors may be anything's for the compiler, which would load it again after each.
+    const std::ptrdiff_t stride = target.stride;
+    return each_product<D, L, Lower>(l, w, rows, columns, d, [=](int i, const PackOf<L>& lost) HWY_ATTR {
+      store(load<L>(to + i * stride) - lost, to + i * stride);
     });
-    return remember(job, at.i, diagonal, rows);
   }
-  double* kept = job.numbers.scratch + (shape.size() + at.row * shape.coupled_rows + at.column * rows) * L;
+  const bool later = job.pack.shares && target.place < 0;
   HWY_ALIGN double here[L * largest_dimension * largest_dimension];
-  if (!job.pack.shares) kept = here;
-  products([&](int k, const PackOf<L>& lost) HWY_ATTR {
-    if (watch) note(k, lost);
-    store(lost, kept + k * L);
-  });
-  if (watch) remember(job, at.i, diagonal, rows);
-  if (job.pack.shares) return;
-  for (int lane = 0; lane < L; ++lane)
-    if (job.active >> lane & 1u)
-      subtract_lane<L>(job, lane, job.program.scattered()[~target.place + lane], kept, rows, columns, Lower);
+  double* t = later ? job.numbers.scratch + (shape.size() + at.row * shape.coupled_rows + at.column * rows) * L : here;
+  each_product<D, L, Lower>(l, w, rows, columns, d, [=](int i, const PackOf<L>& lost) HWY_ATTR { store(lost, t + i * L); });
+  if (at.watch) remember<L>(job, at.i, t, rows);
+  if (!later) subtract_lanes<L>(job, at, target, t);
 }
 
 template <int D, int L>
@@ -213,12 +202,11 @@ HWY_INLINE unsigned factor_saddle(const PackJob& job, PackOf<L>* lu, int d) {
 template <int D, int L>
 HWY_INLINE unsigned factor_and_solve(const PackJob& job, double* diagonal, double* upper, int d) {
   const Shape& shape = job.program.shape(job.pack);
-  PackOf<L> lu[D ? D * D : largest_dimension * largest_dimension];
-  load_diagonal<D>(diagonal, lu, d);
   if constexpr (D == 6) {
     // Two variables in one node that nothing couples yet: a good third of the work less, with the same bits.
-    Halves<D, L> halves;
-    if (!shape.saddle && halves_apart<D>(lu, halves)) {
+    if (!shape.saddle && halves_apart<D, L>(diagonal)) {
+      Halves<D, L> halves;
+      load_halves(diagonal, halves);
       const unsigned other = (factor<D / 2>(halves.first, d / 2) | factor<D / 2>(halves.second, d / 2)) & job.active;
       if (other != 0) return other;
       store_halves(halves, diagonal);
@@ -226,6 +214,8 @@ HWY_INLINE unsigned factor_and_solve(const PackJob& job, double* diagonal, doubl
       return 0;
     }
   }
+  PackOf<L> lu[D ? D * D : largest_dimension * largest_dimension];
+  load_diagonal<D>(diagonal, lu, d);
   const unsigned other = (shape.saddle ? factor_saddle<D>(job, lu, d) : factor<D>(lu, d)) & job.active;
   if (other != 0) return other;
   store_diagonal<D>(lu, diagonal, d);
@@ -245,7 +235,7 @@ unsigned eliminate_pack(const PackJob& job) {
   for (int i = 0, row = 0; i < m; row += shape.coupled[i++]) {
     const double* w = upper;
     for (int j = 0, column = 0; j < m; column += shape.coupled[j++]) {
-      update_block<D, L, false>(job, {i, j, row, column}, lower, w, d, i == j && shape.coupled_may[i]);
+      update_block<D, L, false>(job, {i, j, row, column, false, i == j && shape.coupled_may[i]}, lower, w, d);
       w += shape.coupled[j] * d * L;
     }
     lower += shape.coupled[i] * d * L;
@@ -289,10 +279,10 @@ unsigned eliminate_pack_symmetric(const PackJob& job, const Definite& definite, 
     const double* w = all_w;
     halve_panel<D>(ldl, lower, all_w + row * d * L, shape.coupled[i], d);
     for (int j = 0, column = 0; j < i; column += shape.coupled[j++]) {
-      update_block<D, L, false>(job, {i, j, row, column}, lower, w, d, false);
+      update_block<D, L, false>(job, {i, j, row, column, false, false}, lower, w, d);
       w += shape.coupled[j] * d * L;
     }
-    update_block<D, L, true>(job, {i, i, row, row}, lower, w, d, watch == Watch::yes && shape.coupled_may[i]);
+    update_block<D, L, true>(job, {i, i, row, row, true, watch == Watch::yes && shape.coupled_may[i]}, lower, w, d);
     lower += shape.coupled[i] * d * L;
   }
   if (job.pack.shares) subtract_all<L>(job, true);

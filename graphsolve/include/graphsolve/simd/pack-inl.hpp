@@ -73,6 +73,7 @@ GRAPHSOLVE_PACK_FUNCTION(sqrt, Sqrt)
   }
 GRAPHSOLVE_PACK_FUNCTION(min, Min)  ///< of a NaN: either
 GRAPHSOLVE_PACK_FUNCTION(max, Max)
+GRAPHSOLVE_PACK_FUNCTION(bit_or, Or)  ///< of the representations: zero, but for its sign, where both are
 #undef GRAPHSOLVE_PACK_FUNCTION
 
 /// a b + c and c - a b with one rounding where the machine has it.
