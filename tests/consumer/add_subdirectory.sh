@@ -7,17 +7,32 @@ work="$1"
 shift
 rm -rf -- "$work"
 mkdir -p -- "$work"
-# Not optimised, for one instruction set: what counts is that it builds. Only the solver is compiled, the simulator is
-# configured. And without the packages that bring more orderings, which must be said.
-cmake -S "$source_dir/tests/consumer/add_subdirectory" -B "$work/build" -G Ninja -DREPOSITORY="$source_dir" \
-  -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS=-DHWY_COMPILE_ONLY_STATIC \
+fail() { printf 'add_subdirectory: %s\n' "$*" >&2; exit 1; }
+configure() {  # NAME [OPTION...]
+  local log="$work/$1.log"
+  shift
+  cmake -S "$source_dir/tests/consumer/add_subdirectory" -B "$work/build" -G Ninja "$@" >"$log" 2>&1 ||
+    { cat "$log" >&2; exit 1; }
+}
+has() { grep -q "^$1:" <<<"$(cmake --build "$work/build" --target help)"; }
+
+# Not optimised, for one instruction set: what counts is that it builds. And without the packages that bring more
+# orderings, which must be said.
+configure with_physics -DREPOSITORY="$source_dir" -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS=-DHWY_COMPILE_ONLY_STATIC \
   -DCMAKE_DISABLE_FIND_PACKAGE_METIS=ON -DCMAKE_DISABLE_FIND_PACKAGE_SuiteSparse=ON \
-  -DCMAKE_DISABLE_FIND_PACKAGE_Boost=ON "$@" >"$work/configure.log" 2>&1 || { cat "$work/configure.log" >&2; exit 1; }
+  -DCMAKE_DISABLE_FIND_PACKAGE_Boost=ON "$@"
 for package in METIS SuiteSparse Boost; do
-  grep -q "without these orderings.*$package" "$work/configure.log" ||
-    { printf 'nothing is said of the orderings that miss with %s\n' "$package" >&2; exit 1; }
+  grep -q "without these orderings.*$package" "$work/with_physics.log" ||
+    fail "nothing is said of the orderings that miss with $package"
 done
+has physics || fail "the simulator is left out"
+
+# The simulator was configured. What is compiled is the solver as it is without: the packages that only the simulator
+# needs are not looked for.
+configure solver_only -DGRAPHSOLVE_BUILD_PHYSICS=OFF -DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON \
+  -DCMAKE_DISABLE_FIND_PACKAGE_tomlplusplus=ON -DCMAKE_DISABLE_FIND_PACKAGE_CLI11=ON
+! has physics || fail "GRAPHSOLVE_BUILD_PHYSICS=OFF does not leave the simulator out"
 cmake --build "$work/build" --target solver >"$work/build.log" 2>&1 || { cat "$work/build.log" >&2; exit 1; }
 promised="$(sed -n '1s/.*Prints: //p' "$source_dir/examples/solver_minimal.cpp")"
-[[ "$("$work/build/solver")" == "$promised" ]] || { printf 'solver does not print: %s\n' "$promised" >&2; exit 1; }
+[[ "$("$work/build/solver")" == "$promised" ]] || fail "solver does not print: $promised"
 printf 'add_subdirectory: the program runs\n'
