@@ -118,7 +118,7 @@ std::string for_people(const Report& report) {
        fmt::format("{} -> {} N m s", text(s.angular_momentum_start), text(s.angular_momentum_end)));
   const char* label = "left out";
   for (const std::string& part : left_out(s.size)) line(out, std::exchange(label, ""), part);
-  if (s.start_correction > 0)
+  if (s.start_correction > report.tolerance)  // not what rounding leaves
     line(out, "start correction", fmt::format("{:.3g} m/s, to agree with the joints", s.start_correction));
   for (const std::string& sentence : s.redundancies) line(out, "redundant", sentence);
   line(out, "time per step", time_text(s));

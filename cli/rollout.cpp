@@ -29,6 +29,7 @@ constexpr long long most_copies = 1'000'000'000'000;  ///< times the number of s
 constexpr const char* footer = R"(Examples:
   graphsolve rollout disc --copies 10000 --steps 100 --vary friction=0.1:0.9 --threads 2 --out disc.jsonl
   graphsolve rollout quadruped --copies 1000 --steps 500 --vary trunk.mass=8:14 --vary start.velocity.x=-0.2:0.2
+  graphsolve rollout quadruped --copies 1000 --steps 500 --vary trunk.force.y@100-150=-60:60   a push from the side
   graphsolve rollout disc --copies 10000 --steps 100 --shard 3/8 --out disc-3.jsonl     one of eight machines
   graphsolve rollout --merge disc-*.jsonl --out disc.jsonl                              their results together
   mpirun -np 8 graphsolve rollout disc --copies 10000 --steps 100 --out disc.jsonl      the same by MPI
@@ -37,12 +38,21 @@ Keys of --vary, each drawn evenly for each copy:
   friction, CONTACT.friction     coefficient of all contacts that have one, or of one
   mass, BODY.mass                factor on all masses; mass of one body [kg]; inertias in proportion
   gravity                        magnitude [m/s^2]
-  JOINT.stiffness, JOINT.damping of a motor
+  BODY.force.x, BODY.torque.x    a load in all steps, added to the scene's [N in the world, N m in the body's frame]
+  BODY.force.x@20-40             in the steps 20 to 40 only; torque likewise
+  loads, BODY.loads              factor on all loads; on those of one body
+  JOINT.stiffness, JOINT.damping, JOINT.limit                            of a motor
+  JOINT.target                   of a motor whose target is a number [rad, m]
+  JOINT.target.offset, .amplitude, .frequency, .phase                    of one whose target is a sine [rad, m, Hz]
   start.position.x, start.velocity.x                                     added to all bodies [m, m/s]
   start.BODY.position.x, start.BODY.velocity.x, start.BODY.angular_velocity.x     of one body
+  start.BODY.rotation.x          turn about the world's axis, with all that is joined to it [rad]
+  start.JOINT.angle, start.JOINT.travel, start.JOINT.rate                of a joint [rad, m, rad/s or m/s]
+  start.JOINT.angle.x, start.JOINT.rate.x       turn and rate of a spherical one, axes of its parent [rad, rad/s]
   (x, y or z)
-Keys apply in the order given: mass scales, and start.position and start.velocity without BODY add to, what is there by
-then; all others replace it. So --vary mass=2:2 --vary disc.mass=5:5 makes the disc 5 kg; the other way round it is 10 kg.
+Keys apply in the order given: mass and loads scale, start.position and start.velocity without BODY, force and torque add
+to, and rotation and angle.x turn, what is there by then; all others replace it. So --vary mass=2:2 --vary disc.mass=5:5
+makes the disc 5 kg; the other way round it is 10 kg.
 
 The file has one line of JSON per copy. Its bytes do not depend on threads, lanes or shards. The same command goes on
 where a killed one stopped. See docs/rollouts.md.

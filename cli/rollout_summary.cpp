@@ -75,7 +75,7 @@ void print_summary(const Summary& s) {
   line("rollout", fmt::format("{}: {} copies of {} steps{}", s.request.scene, s.request.copies, s.request.steps,
                               s.shard.count > 1 ? fmt::format(", shard {}/{}", s.shard.index, s.shard.count) : ""));
   line("outcomes", statuses_text(s.part.tally));
-  if (s.part.tally.start_correction > 0)
+  if (s.part.tally.start_correction > s.request.tolerance)  // not what rounding leaves
     line("start correction", fmt::format("up to {:.3g} m/s, to agree with the joints", s.part.tally.start_correction));
   const long long due = s.shard.last(s.request.copies) - s.shard.first(s.request.copies) - s.part.tally.copies;
   if (due > 0) line("not done yet", fmt::format("{} copies", due));

@@ -5,14 +5,20 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
+
+#include "variation_keys.hpp"
 
 namespace physics {
 
 namespace {
 
 constexpr const char* known =
-    "friction, CONTACT.friction, mass, BODY.mass, gravity, JOINT.stiffness, JOINT.damping, start.position.AXIS, "
-    "start.velocity.AXIS, start.BODY.position.AXIS, start.BODY.velocity.AXIS, start.BODY.angular_velocity.AXIS";
+    "friction, CONTACT.friction, mass, BODY.mass, gravity, BODY.force.AXIS, BODY.torque.AXIS (with @FIRST-LAST: in these "
+    "steps), loads, BODY.loads, JOINT.stiffness, JOINT.damping, JOINT.limit, JOINT.target, "
+    "JOINT.target.offset|amplitude|frequency|phase, start.position.AXIS, start.velocity.AXIS, start.BODY.position.AXIS, "
+    "start.BODY.velocity.AXIS, start.BODY.angular_velocity.AXIS, start.BODY.rotation.AXIS, start.JOINT.angle, "
+    "start.JOINT.travel, start.JOINT.rate, start.JOINT.angle.AXIS, start.JOINT.rate.AXIS";
 
 std::uint64_t mix(std::uint64_t z) {  // Steele, Lea, Flood 2014
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -34,23 +40,6 @@ double number(std::string_view text, std::string_view whole) {
   return value;
 }
 
-/// The thing of that name, or an error that names the key.
-template <class Things>
-auto& find(Things& things, std::string_view name, std::string_view key, const char* kind) {
-  const auto found = std::find_if(things.begin(), things.end(), [&](const auto& thing) { return thing.name == name; });
-  if (found == things.end()) throw DescriptionError(fmt::format("vary '{}': the scene has no {} '{}'", key, kind, name));
-  return *found;
-}
-
-/// Takes ".ending" off a text that has it; the rest may contain dots.
-bool take_ending(std::string_view& text, std::string_view ending) {
-  if (!text.ends_with(ending) || text.size() <= ending.size()) return false;
-  const std::size_t rest = text.size() - ending.size();
-  if (text[rest - 1] != '.') return false;
-  text = text.substr(0, rest - 1);
-  return true;
-}
-
 void set_friction(Contact& contact, std::string_view key, double value) {
   if (!(contact.friction.value_or(0) > 0))
     throw DescriptionError(fmt::format("vary '{}': contact '{}' has no friction to vary", key, contact.name));
@@ -67,38 +56,92 @@ void scale_mass(Body& body, double factor) {
   body.inertia *= factor;
 }
 
-[[noreturn]] void unknown(std::string_view key) {
-  throw DescriptionError(fmt::format("vary '{}': unknown key; there are: {}", key, known));
+/// Steps of a load.
+struct Steps {
+  int first = 1, last = std::numeric_limits<int>::max();
+};
+
+/// Takes "@FIRST-LAST" off a text that has it.
+Steps take_steps(std::string_view& text, std::string_view key) {
+  const std::size_t at = text.rfind('@');
+  if (at == text.npos || at < text.rfind('.')) return {};  // of a name
+  Steps steps;
+  const char* const end = text.data() + text.size();
+  const auto first = std::from_chars(text.data() + at + 1, end, steps.first);
+  const bool dash = first.ec == std::errc() && first.ptr != end && *first.ptr == '-';
+  const auto last = dash ? std::from_chars(first.ptr + 1, end, steps.last) : first;
+  if (!dash || last.ec != std::errc() || last.ptr != end || steps.first < 1 || steps.last < steps.first)
+    wrong_key(key, "'{}' is not @FIRST-LAST with steps 1 <= FIRST <= LAST", text.substr(at));
+  text = text.substr(0, at);
+  return steps;
 }
 
-/// key without "start."
-void set_start(Mechanism& mechanism, std::string_view key, std::string_view rest, double value) {
-  int axis = -1;
-  for (const int i : {0, 1, 2})
-    if (axis < 0 && take_ending(rest, std::string_view("xyz").substr(i, 1))) axis = i;
-  if (axis < 0) unknown(key);
-  for (const auto& [name, member] : {std::pair{"position", &Body::position}, {"velocity", &Body::velocity}}) {
-    if (rest != name) continue;
-    for (Body& body : mechanism.bodies) (body.*member)[axis] += value;
-    return;
-  }
-  for (const auto& [name, member] : {std::pair{"angular_velocity", &Body::angular_velocity},
-                                     {"position", &Body::position}, {"velocity", &Body::velocity}}) {
-    std::string_view body = rest;
-    if (!take_ending(body, name)) continue;
-    (find(mechanism.bodies, body, key, "body").*member)[axis] = value;
-    return;
-  }
-  unknown(key);
+/// BODY.force.AXIS and BODY.torque.AXIS. False: the key is none of these.
+bool add_load(Mechanism& mechanism, std::string_view key, double value) {
+  std::string_view rest = key;
+  const Steps steps = take_steps(rest, key);
+  const int axis = take_axis(rest);
+  const bool force = axis >= 0 && take_ending(rest, "force");
+  if (axis < 0 || !(force || take_ending(rest, "torque"))) return false;
+  const Body& body = find(mechanism.bodies, rest, key, "body");
+  Load load{.body = {static_cast<int>(&body - mechanism.bodies.data())}, .first_step = steps.first, .last_step = steps.last};
+  (force ? load.force : load.torque)[axis] = value;
+  mechanism.add(load);
+  return true;
 }
 
-void set_motor(Mechanism& mechanism, std::string_view joint_name, std::string_view key, double value) {
+/// Of this body, or of all where there is none.
+void scale_loads(Mechanism& mechanism, std::string_view key, const Body* body, double factor) {
+  bool any = false;
+  for (Load& load : mechanism.loads) {
+    if (body && &mechanism.bodies[load.body.index] != body) continue;
+    load.force *= factor;
+    load.torque *= factor;
+    any = true;
+  }
+  if (any) return;
+  if (body) wrong_key(key, "the scene has no load on body '{}': vary {}.force.x to add one", body->name, body->name);
+  wrong_key(key, "the scene has no loads: vary BODY.force.x to add one");
+}
+
+constexpr std::pair<std::string_view, double SineTarget::*> of_sine[] = {{"offset", &SineTarget::offset},
+                                                                        {"amplitude", &SineTarget::amplitude},
+                                                                        {"frequency", &SineTarget::frequency},
+                                                                        {"phase", &SineTarget::phase}};
+constexpr std::pair<std::string_view, double Motor::*> of_motor[] = {
+    {"stiffness", &Motor::stiffness}, {"damping", &Motor::damping}, {"limit", &Motor::limit}};
+
+Motor& motor_of(Mechanism& mechanism, std::string_view joint_name, std::string_view key) {
   Joint& joint = find(mechanism.joints, joint_name, key, "joint");
-  if (!joint.motor) throw DescriptionError(fmt::format("vary '{}': joint '{}' has no motor", key, joint_name));
-  (key.ends_with("stiffness") ? joint.motor->stiffness : joint.motor->damping) = value;
+  if (!joint.motor) wrong_key(key, "joint '{}' has no motor", joint_name);
+  return *joint.motor;
+}
+
+/// JOINT.stiffness, JOINT.target and the like. False: the key is none of these.
+bool set_motor(Mechanism& mechanism, std::string_view key, double value) {
+  std::string_view joint = key;
+  for (const auto& [name, member] : of_motor)
+    if (take_ending(joint, name)) return motor_of(mechanism, joint, key).*member = value, true;
+  if (take_ending(joint, "target")) {
+    auto& target = motor_of(mechanism, joint, key).target;
+    if (std::holds_alternative<SineTarget>(target))
+      wrong_key(key, "the target of joint '{}' is a sine: vary {}.offset, .amplitude, .frequency or .phase", joint, key);
+    if (std::holds_alternative<TableTarget>(target)) wrong_key(key, "the target of joint '{}' is a table", joint);
+    return target = value, true;
+  }
+  for (const auto& [name, member] : of_sine) {
+    joint = key;
+    if (!take_ending(joint, name) || !take_ending(joint, "target")) continue;
+    auto* sine = std::get_if<SineTarget>(&motor_of(mechanism, joint, key).target);
+    if (!sine) wrong_key(key, "the target of joint '{}' is no sine", joint);
+    return sine->*member = value, true;
+  }
+  return false;
 }
 
 }  // namespace
+
+void unknown_key(std::string_view key) { wrong_key(key, "unknown key; there are: {}", known); }
 
 Variation parse_variation(std::string_view text) {
   const std::size_t equals = text.rfind('='), colon = text.find(':', equals == text.npos ? 0 : equals);
@@ -150,17 +193,19 @@ void set_value(Mechanism& mechanism, std::string_view key, double value) {
     if (!(now > 0)) throw DescriptionError("vary 'gravity': the scene has none, so it has no direction");
     if (!(value >= 0)) throw DescriptionError(fmt::format("scene: gravity {} m/s^2 is not >= 0", value));
     mechanism.gravity *= value / now;
+  } else if (key == "loads") {
+    scale_loads(mechanism, key, nullptr, value);
   } else if (key.starts_with("start.")) {
-    set_start(mechanism, key, key.substr(6), value);
+    set_start(mechanism, key, value);
   } else if (take_ending(rest, "friction")) {
     set_friction(find(mechanism.contacts, rest, key, "contact"), key, value);
   } else if (take_ending(rest, "mass")) {
     Body& body = find(mechanism.bodies, rest, key, "body");
     scale_mass(body, value / body.mass);
-  } else if (take_ending(rest, "stiffness") || take_ending(rest, "damping")) {
-    set_motor(mechanism, rest, key, value);
-  } else {
-    unknown(key);
+  } else if (take_ending(rest, "loads")) {
+    scale_loads(mechanism, key, &find(mechanism.bodies, rest, key, "body"), value);
+  } else if (!set_motor(mechanism, key, value) && !add_load(mechanism, key, value)) {
+    unknown_key(key);
   }
 }
 

@@ -17,10 +17,26 @@ namespace physics {
 ///   mass                factor on all masses and inertias
 ///   BODY.mass           [kg]; the inertia keeps its proportion to it
 ///   gravity             magnitude of it [m/s^2]
-///   JOINT.stiffness, JOINT.damping                 of its motor
+///   BODY.force.x, BODY.torque.x                    a load in every step, beside those there are: force at the centre of
+///                                                  mass, world [N]; torque in the body's frame [N m]
+///   BODY.force.x@20-40                             in the steps 20 to 40 only, and so with torque
+///   loads, BODY.loads                              factor on the forces and torques of all loads, of one body's
+///   JOINT.stiffness, JOINT.damping, JOINT.limit    of its motor
+///   JOINT.target                                   of a motor whose target is a number [rad or m]
+///   JOINT.target.offset, .amplitude, .frequency, .phase    of one whose target is a sine [rad or m, Hz, rad]
 ///   start.position.x                               added to all bodies [m]
 ///   start.velocity.x                               added to all bodies [m/s]
 ///   start.BODY.position.x, .velocity.x, .angular_velocity.x    of one body, instead of the scene's
+///   start.BODY.rotation.x    turns it, with all that is joined to it, about the world's axis through its centre of mass
+///                            [rad]; its velocity in the world stays, the others' relative to it turn along
+///   start.JOINT.angle        of a revolute joint [rad], -pi to pi
+///   start.JOINT.travel       of a prismatic joint [m]
+///   start.JOINT.rate         of either [rad/s or m/s]
+///   start.JOINT.angle.x      turns a spherical joint about an axis of its parent's frame [rad]
+///   start.JOINT.rate.x       its rate about such an axis [rad/s]
+/// A start joint moves the bodies behind it as one, on the child's side or, where that is joined to the world, on the
+/// parent's: no other joint opens. Joints of closed loops cannot move alone and are refused, as are bodies that joints
+/// hold at the world.
 struct Variation {
   std::string key;
   double low = 0, high = 0;

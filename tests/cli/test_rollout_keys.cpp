@@ -1,0 +1,100 @@
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "physics/batch_variation.hpp"
+#include "physics/simulator.hpp"
+#include "rollout_program.hpp"
+
+// `graphsolve rollout --vary`: loads, motors, joints and orientations at the start.
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+const std::string trot =
+    "quadruped --copies 19 --steps 12 --seed 4 --vary trunk.force.y@3-8=-60:60 --vary trunk.torque.x=-1:1 "
+    "--vary 'front left hip joint.target=-0.2:0.2' --vary 'front left hip joint.limit=5:40' "
+    "--vary 'rear left thigh joint.target.phase=-1:1' --vary start.trunk.rotation.z=-3:3 "
+    "--vary 'start.rear left hip joint.angle=-0.3:0.3' --vary 'start.rear left calf joint.rate=-2:2' ";
+
+TEST_F(Rollout, KeysOfLoadsMotorsAndJointsGiveTheSameBytesByAnyWay) {
+  ASSERT_EQ(run(trot + "--out one.jsonl"), 0) << err_;
+  const std::string expected = text("one.jsonl");
+  ASSERT_EQ(run(trot + "--threads 3 --lanes 5 --out other.jsonl"), 0) << err_;
+  EXPECT_EQ(text("other.jsonl"), expected);
+  for (const char* shard : {"0", "1", "2"}) ASSERT_EQ(run(trot + "--out part" + shard + " --shard " + shard + "/3"), 0) << err_;
+  ASSERT_EQ(run("--merge part2 part0 part1 --out merged"), 0) << err_;
+  EXPECT_EQ(text("merged"), expected);
+  fs::resize_file(path("other.jsonl"), expected.size() / 2);
+  ASSERT_EQ(run(trot + "--threads 2 --out other.jsonl"), 0) << err_;
+  EXPECT_EQ(text("other.jsonl"), expected) << "gone on with";
+  EXPECT_NE(out_.find("done before"), std::string::npos) << out_;
+}
+
+TEST_F(Rollout, EachOfTheseKeysChangesTheMotion) {
+  const auto bodies = [&](const std::string& keys) {
+    fs::remove(path("a.jsonl"));
+    EXPECT_EQ(run("quadruped --copies 1 --steps 4 --out a.jsonl " + keys), 0) << err_;
+    return lines("a.jsonl")[1]["bodies"];
+  };
+  const json before = bodies("");
+  for (const std::string key :
+       {"trunk.force.y=5", "trunk.torque.z@2-2=5", "front left hip joint.target=0.1", "front left calf joint.limit=0.01",
+        "front left thigh joint.target.offset=0.7", "start.trunk.rotation.y=0.05", "start.front left calf joint.angle=-1.7",
+        "start.front left calf joint.rate=1"}) {
+    const std::string value = key.substr(key.find('=') + 1);
+    EXPECT_NE(bodies("--vary '" + key + ":" + value + "'"), before) << key;
+  }
+  EXPECT_EQ(bodies("--vary trunk.force.y@5-9=5:5"), before) << "a push after the last step";
+}
+
+TEST_F(Rollout, AStartThatItsAnglesLeaveClosedAndItsVelocitiesDoNotIsCorrectedAndRecorded) {
+  const std::string turn = "start.joint 0.angle.y", speed = "start.link 1.velocity.x";
+  const std::string command = "snake:n=3 --copies 3 --steps 2 --vary '" + turn + "=-0.5:0.5' --vary '" + speed + "=1:2' --out a.jsonl";
+  ASSERT_EQ(run(command), 0) << err_;
+  for (int copy = 0; copy < 3; ++copy) {
+    const json record = lines("a.jsonl")[copy + 1];
+    physics::Mechanism scene = physics::built_in_scene("snake:n=3");
+    physics::set_value(scene, turn, record["vary"][turn]);
+    EXPECT_LT(physics::Simulator(scene).start_correction(), 1e-12);
+    physics::set_value(scene, speed, record["vary"][speed]);
+    const double expected = physics::Simulator(scene).start_correction();  // what `simulate` says of this scene
+    EXPECT_GT(expected, 0.1);
+    EXPECT_EQ(record["start_correction_m_per_s"], expected);
+    EXPECT_LT(record["joint_error"].get<double>(), 1e-8);
+  }
+  EXPECT_NE(out_.find("start correction"), std::string::npos) << out_;
+}
+
+TEST_F(Rollout, CorrectionsThatOnlyRoundingMakesAreNotNamed) {
+  ASSERT_EQ(run("quadruped --copies 3 --steps 2 --vary 'start.rear left calf joint.rate=1:2' --out a.jsonl"), 0) << err_;
+  double largest = 0;
+  for (int copy = 1; copy <= 3; ++copy) largest = std::max<double>(largest, lines("a.jsonl")[copy]["start_correction_m_per_s"]);
+  EXPECT_LT(largest, 1e-12);
+  EXPECT_GT(largest, 0) << "the test shows nothing";
+  EXPECT_EQ(out_.find("start correction"), std::string::npos) << out_;
+  const Outcome outcome = Program::run("simulate four_bar --steps 1");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out.find("start correction"), std::string::npos) << outcome.out;
+}
+
+TEST_F(Rollout, KeysThatMakeNoSenseAreRefusedBeforeAnyCopy) {
+  const auto refused = [&](const std::string& scene, const std::string& vary) {
+    return Program::refused("rollout " + scene + " --copies 99 --steps 3 --out a.jsonl --vary '" + vary + "'");
+  };
+  EXPECT_EQ(refused("snake", "joint 0.target=0:1"), "graphsolve: vary 'joint 0.target': joint 'joint 0' has no motor\n");
+  EXPECT_EQ(refused("disc", "wheel.force.x=0:1"), "graphsolve: vary 'wheel.force.x': the scene has no body 'wheel'\n");
+  EXPECT_EQ(refused("disc", "disc.force.x@0-5=0:1"),
+            "graphsolve: vary 'disc.force.x@0-5': '@0-5' is not @FIRST-LAST with steps 1 <= FIRST <= LAST\n");
+  EXPECT_EQ(refused("quadruped", "front left hip joint.limit=0:1"),
+            "graphsolve: vary 'front left hip joint.limit': the bound 0 will not do: revolute joint 'front left hip "
+            "joint': motor limit 0 is not > 0\n");
+  EXPECT_EQ(refused("quadruped", "start.front left hip joint.angle=0:4"),
+            "graphsolve: vary 'start.front left hip joint.angle': the bound 4 will not do: joint 'front left hip joint': "
+            "start angle 4 rad is not from -pi to pi\n");
+  EXPECT_NE(refused("four_bar", "start.four_bar.angle=0:1").find("the scene has no joint 'four_bar'\n"), std::string::npos);
+  EXPECT_FALSE(fs::exists(path("a.jsonl")));
+}
+
+}  // namespace
