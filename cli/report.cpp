@@ -109,7 +109,7 @@ std::string for_people(const Report& report) {
                    s.residual.value > report.tolerance ? "; above the tolerance: rounding this far from the origin" : ""));
   if (!scene.contacts.empty())
     line(out, "smallest distance", fmt::format("{:.3g} m, step {}{}", s.distance.value, s.distance.step,
-         starts_inside(s) ? ": the scene begins inside a plane, and the first step throws it out" : ""));
+         starts_inside(s) ? ": the scene begins inside a plane, which the first step has to undo" : ""));
   if (!scene.joints.empty())
     line(out, "largest joint error", fmt::format("{:.3g} m or rad, step {}", s.joint_error.value, s.joint_error.step));
   line(out, "energy", energy_text(s, scene));

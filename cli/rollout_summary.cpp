@@ -59,7 +59,7 @@ void print_failures(const Tally& tally) {
   for (const Status status : statuses) {
     const auto found = tally.statuses.find(std::string(name(status)));
     if (status != Status::solved && found != tally.statuses.end() && found->second > 0)
-      fmt::print(stderr, "graphsolve: {}: {}\n", name(status), explanation(status));
+      fmt::print(stderr, "graphsolve: {}: {}\n", name(status), physics::step_explanation(status));
   }
 }
 

@@ -24,6 +24,7 @@ Factorization::Outcome Factorization::factorize() {
 }
 
 void Factorization::start_all() {
+  begun_ = true;
   dropped_.clear();
   set_all_active();
   std::fill(outcomes_.begin(), outcomes_.end(), Outcome{});
@@ -58,6 +59,7 @@ std::span<const Factorization::Outcome> Factorization::factorize(std::span<const
 }
 
 void Factorization::start(std::span<const int> components) {
+  begun_ = true;
   check_components(components);
   const Symbolic& s = *symbolic_;
   set_active(components);

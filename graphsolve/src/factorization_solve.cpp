@@ -64,8 +64,13 @@ void Factorization::solve_diagonal(int k, const double* diagonal, double* x, int
     solve_rank_deficient(diagonal, p.dimension, rank_[k], row_exchange_.data() + row, column_exchange_.data() + row, x, 1);
 }
 
+void Factorization::check_begun() const {
+  if (!begun_) throw std::logic_error("solve: factorize() comes first");
+}
+
 void Factorization::solve(std::span<double> x, int columns) const {
   check_size(x, columns);
+  check_begun();
   set_all_active();
   const int rows = symbolic_->rows(), some = symbolic_->packs() == Packs::on ? 1 : columns_at_once;
   for (int c = 0; c < columns; c += some)
@@ -77,6 +82,7 @@ void Factorization::solve_component(std::span<double> x, int component) const { 
 void Factorization::solve_components(std::span<double> x, std::span<const int> components) const {
   check_size(x, 1);
   check_components(components);
+  check_begun();
   set_active(components);
   solve_active(x.data(), 1);
 }
@@ -259,6 +265,7 @@ std::span<const Factorization::Outcome> Factorization::factorize_and_solve(std::
 void Factorization::solve_transposed(std::span<double> x, int columns) const {
   if (symmetric()) return solve(x, columns);
   check_size(x, columns);
+  check_begun();
   set_all_active();
   for (int c = 0; c < columns; ++c) solve_transposed_active(x.data() + static_cast<std::ptrdiff_t>(c) * symbolic_->rows());
 }

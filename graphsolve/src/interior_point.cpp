@@ -139,9 +139,7 @@ bool InteriorPoint::factorize() {
   const auto outcomes = keep ? factorization_.factorize(running_) : factorization_.factorize_and_solve(running_, dx_);
   solved_ = !keep;
   for (const int c : running_) {
-    const auto& outcome = outcomes[c];
-    reports_[c].dropped_rows = outcome.dropped_rows;
-    if (!outcome.ok()) {
+    if (!outcomes[c].ok()) {
       trouble_[c] = Status::singular;
       regular = false;
     }

@@ -249,6 +249,7 @@ const Factorization& InteriorPoint::factorize_terms(std::span<const double> x) {
   double* values = factorization_.values().data();
   for (std::size_t b = 0; b < terms.size(); ++b) terms[b]->evaluate(running(term_lists_[b]), x_, residual_, values);
   factorization_.set_saddle_shift(0);  // dependent rows are to be seen
+  factorization_.keep_matrix(true);    // and named by diagnose()
   (void)factorization_.factorize();
   factorization_.set_saddle_shift(saddle_shift);
   return factorization_;

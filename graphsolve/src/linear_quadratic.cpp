@@ -1,5 +1,7 @@
 #include "graphsolve/linear_quadratic.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -10,6 +12,19 @@ void check_length(const char* what, std::size_t instance, std::size_t given, std
   if (given == needed) return;
   throw std::invalid_argument(std::string(what) + " " + std::to_string(instance) + ": " + std::to_string(given) +
                               " entries where " + std::to_string(needed) + " are needed");
+}
+
+void check_symmetric(std::size_t instance, std::span<const double> hessian, std::size_t n) {
+  double largest = 0;
+  for (const double entry : hessian) largest = std::max(largest, std::abs(entry));
+  for (std::size_t c = 0; c < n; ++c)
+    for (std::size_t r = c + 1; r < n; ++r) {
+      const double below = hessian[c * n + r], right = hessian[r * n + c];
+      if (std::abs(below - right) > 1e-8 * largest)
+        throw std::invalid_argument("hessian of quadratic cost " + std::to_string(instance) + " is not symmetric: entry (" +
+                                    std::to_string(r) + ", " + std::to_string(c) + ") is " + std::to_string(below) +
+                                    ", its mirror image " + std::to_string(right));
+    }
 }
 
 }  // namespace
@@ -39,6 +54,7 @@ void QuadraticCost::wire(const Wiring& wiring) {
     if (!cost.gradient.empty()) check_length("gradient of quadratic cost", i, cost.gradient.size(), n);
     if (cost.hessian.empty()) continue;
     check_length("hessian of quadratic cost", i, cost.hessian.size(), cost.diagonal ? n : n * n);
+    if (!cost.diagonal) check_symmetric(i, cost.hessian, n);
     for (const NodeId column_node : cost.nodes)
       for (int column = 0; column < wiring.block(column_node, column_node).rows; ++column)
         for (const NodeId node : cost.nodes) {

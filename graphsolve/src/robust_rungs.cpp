@@ -10,7 +10,7 @@ namespace graphsolve {
 namespace {
 
 constexpr double stiff = 1e6;   ///< a node this much larger than its neighbours is eliminated later
-constexpr double shift = 1e-8;  ///< of what was added to a saddle row; 1e-6 spoils it (algorithm.md 5)
+constexpr double shift = 1e-8;  ///< of what was added to a saddle row; 1e-6 spoils it
 
 bool better(double error, double than) { return error < than || std::isnan(than); }
 

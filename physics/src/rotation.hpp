@@ -5,7 +5,7 @@
 #include "physics/geometry.hpp"
 
 /// The discrete rotation of the variational integrator: q2 = q1 (x) (dt/2) [s(w), w] with
-/// s(w) = sqrt(4/dt^2 - w.w), for body-frame w with |w| dt < 2 (algorithm.md 1, 2; paper eq. 9b).
+/// s(w) = sqrt(4/dt^2 - w.w), for body-frame w with |w| dt < 2 (paper eq. 9b, docs/algorithm.md).
 namespace physics {
 
 inline double rotation_scalar(const Vec3& w, double dt) { return std::sqrt(4 / (dt * dt) - w.squaredNorm()); }

@@ -50,7 +50,7 @@ void Stepper::step(std::span<const int> stepped) {
       ++l.step_index;
       l.time += dt;
     } else {
-      l.last.cause = graphsolve::explanation(l.last.status);
+      l.last.cause = step_explanation(l.last.status);
       recall(lane);
     }
   }

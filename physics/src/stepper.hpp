@@ -15,8 +15,7 @@
 
 namespace physics {
 
-/// What belongs to the state of one copy as a whole; the rest is in Bodies. The time step that made the velocity defines the momentum
-/// (algorithm.md 1).
+/// What belongs to the state of one copy as a whole; the rest is in Bodies. The time step that made the velocity defines the momentum.
 struct LaneState {
   double time_step = 0;
   bool half_kick = false;   ///< v, w are the velocity at this pose, not that of a step

@@ -181,7 +181,7 @@ TEST_F(Rollout, ManyFailuresAreTenNamesACountAndEachCauseOnce) {
     EXPECT_EQ(times_said("graphsolve: and 11 more copies failed\n"), 1) << err_;
     const std::string status = lines("a.jsonl")[1]["status"];
     EXPECT_EQ(times_said("graphsolve: " + status + ": "), 1) << err_;
-    EXPECT_EQ(times_said("make a smaller change per solve\n"), 1) << err_;
+    EXPECT_EQ(times_said("take a shorter time step or a larger tolerance\n"), 1) << err_;
   };
   ASSERT_EQ(run(command + " --out a.jsonl"), 1) << err_;
   complains();

@@ -165,6 +165,10 @@ TEST(LinearQuadratic, WrongLengthsAreNamed) {
   QuadraticCost cost;
   cost.add_diagonal(a, std::vector<double>{1, 2, 3});
   EXPECT_EQ(message(cost), "hessian of quadratic cost 0: 3 entries where 2 are needed");
+  QuadraticCost lopsided;
+  lopsided.add(std::vector{a}, std::vector<double>{1, 5, 0, 1});
+  EXPECT_EQ(message(lopsided),
+            "hessian of quadratic cost 0 is not symmetric: entry (1, 0) is 5.000000, its mirror image 0.000000");
   QuadraticCost tilted;
   tilted.add_diagonal(a, std::vector<double>{1, 2}, std::vector<double>{1});
   EXPECT_EQ(message(tilted), "gradient of quadratic cost 0: 1 entries where 2 are needed");

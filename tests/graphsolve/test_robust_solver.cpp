@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "factorization_cases.hpp"
 #include "graphsolve/diagnosis.hpp"
+#include "graphsolve/interior_point.hpp"
+#include "graphsolve/linear_quadratic.hpp"
 #include "support/problem_families.hpp"
 
 namespace {
@@ -262,6 +265,27 @@ TEST(Diagnosis, GroupsRedundantRowsByName) {
   EXPECT_EQ(rows, outcome.dropped_rows);
   EXPECT_GT(rows, 0);
   EXPECT_NE(to_string(d).find("too many among"), std::string::npos) << to_string(d);
+}
+
+TEST(Diagnosis, NamesRedundantRowsOfAProblemOfTheInteriorPoint) {
+  BlockGraph graph;
+  const NodeId a = graph.add_node("a", 2), first = graph.add_node("first", 1, NodeKind::saddle);
+  const NodeId second = graph.add_node("second", 1, NodeKind::saddle);
+  QuadraticCost cost;
+  cost.add_diagonal(a, std::vector<double>{1, 1});
+  LinearConstraint sum;
+  for (const NodeId row : {first, second}) sum.add(row, std::vector<LinearConstraint::Part>{{a, {1, 1}}}, std::vector<double>{1});
+  graphsolve::Problem problem(graph);
+  problem.add(cost);
+  problem.add(sum);
+  InteriorPoint solver(problem, std::make_shared<const Symbolic>(problem.graph(), minimum_fill_ordering(problem.graph())));
+  std::vector<double> x(4, 0.0);
+  ASSERT_EQ(solver.solve(x), Status::solved);
+  const Diagnosis d = diagnose(problem.graph(), solver.factorize_terms(x), {});
+  ASSERT_EQ(d.redundant.size(), 1u);
+  EXPECT_EQ(d.redundant[0].redundant_rows, 1);
+  EXPECT_NE(std::ranges::find(d.redundant[0].nodes, "second"), d.redundant[0].nodes.end());
+  ASSERT_EQ(solver.solve(x), Status::solved) << "it goes on as before";
 }
 
 }  // namespace

@@ -154,6 +154,25 @@ TEST(WrongArguments, AnInteriorPointLooksAtTheSizesOfWhatItIsGiven) {
   EXPECT_THROW(solver.set_row_scale({1}, std::vector<double>{0}), std::invalid_argument);
 }
 
+TEST(WrongArguments, NothingIsSolvedBeforeItIsFactored) {
+  const TwoNodes two;
+  std::vector<double> x(3, 1.0);
+  for (const auto kind : {FactorizationKind::ldu, FactorizationKind::ldlt}) {
+    Factorization f(two.symbolic, kind);
+    f.set_zero();
+    for (int i = 0; i < 2; ++i) f.entry(two.symbolic->block({0}, {0}), i, i) = 2;
+    f.entry(two.symbolic->block({1}, {1})) = 2;
+    EXPECT_THROW(f.solve(x), std::logic_error);
+    EXPECT_THROW(f.solve_component(x, 0), std::logic_error);
+    EXPECT_THROW(f.solve_transposed(x), std::logic_error);
+    EXPECT_EQ(x, std::vector<double>(3, 1.0));
+    ASSERT_TRUE(f.factorize(0).ok());
+    f.solve_component(x, 0);
+    EXPECT_EQ(x[0], 0.5);
+    x[0] = x[1] = 1;
+  }
+}
+
 TEST(WrongArguments, PortsAndComponentsAreNotNamedTwice) {
   TwoBatches a;
   InteriorPoint solver(a.problem, a.two.symbolic);

@@ -135,7 +135,8 @@ class Factorization {
   void solve(std::span<double> x) const { solve(x, 1); }
   void solve_component(std::span<double> x, int component) const;
   void solve_components(std::span<double> x, std::span<const int> components) const;
-  /// X := A^-1 X, X being rows() x columns, column-major. Throws std::invalid_argument when x has another size.
+  /// X := A^-1 X, X being rows() x columns, column-major. Throws std::invalid_argument when x has another size, as all
+  /// of these do std::logic_error before the first factorize().
   void solve(std::span<double> x, int columns) const;
   /// x := A^-T x; X := A^-T X.
   void solve_transposed(std::span<double> x) const { solve_transposed(x, 1); }
@@ -275,6 +276,7 @@ class Factorization {
   template <class Together, class Alone>
   void walk(bool backward, Together&& together, Alone&& alone) const;
   void check_size(std::span<const double> x, int columns) const;
+  void check_begun() const;
   void check_components(std::span<const int> components) const;
   enum class Precision { plain, twice };
   enum class Side { plain, transposed };  ///< A x = b or A^T x = b
@@ -343,7 +345,7 @@ class Factorization {
   std::vector<double> error_, least_error_;  ///< by component, of refine(): after a sweep, and the least so far
   std::vector<Precision> precision_;
   std::vector<int> in_vain_;                 ///< sweeps in a row
-  bool keep_matrix_ = false;
+  bool keep_matrix_ = false, begun_ = false;
   double largest_entry_ = 0;          ///< of the kept part of the matrix
   double saddle_shift_ = 0;
 };

@@ -28,7 +28,6 @@ struct ComponentReport {
   int attempts = 1;        ///< 1: warm start; 2, 3: cold starts; 4: frozen couplings first; then cold, at
                            ///< the size of the residual that the start showed, where that is larger; last in the unit
                            ///< of the rows (one over their scale), where it is 100 times that of the laws
-  int dropped_rows = 0;    ///< dependent constraint rows left out by the last factorization
   double residual = 0;     ///< natural residual at the end
   // Where an unsolved component is worst: rows of a node, or an instance of a port batch.
   NodeId worst_node;       ///< index -1: it is a port
@@ -80,8 +79,9 @@ class InteriorPoint {
   /// After linearize: private unknowns of the laws as the solve left them.
   void restore_laws();
 
-  /// Matrix at x as factored by the last iteration is gone after a solve; this evaluates and factors all smooth
-  /// terms at x anew, without ports (used to find dependent rows).
+  /// Matrix at x as factored by the last iteration is gone after a solve, and constraint rows had a shift of 1e-12 in it;
+  /// this evaluates and factors all smooth terms at x anew, without ports or shift, and keeps the matrix: dropped_rows()
+  /// of the result are dependent constraint rows, and diagnose(graph, result, {}) names their groups.
   const Factorization& factorize_terms(std::span<const double> x);
 
  private:

@@ -12,7 +12,8 @@ namespace graphsolve {
 class QuadraticCost final : public Term {
  public:
   /// hessian: symmetric n x n with n the sum of the nodes' dimensions, column-major; empty: zero.
-  /// gradient: c, n entries; empty: zero.  Lengths are checked by wire(), which throws std::invalid_argument.
+  /// gradient: c, n entries; empty: zero.  Lengths and symmetry (to 1e-8 of the largest entry) are checked by wire(), which
+  /// throws std::invalid_argument.
   void add(std::span<const NodeId> nodes, std::span<const double> hessian, std::span<const double> gradient = {});
   /// One node, H diagonal: weight and, where given, c by component, as many as the node's dimension.
   void add_diagonal(NodeId node, std::span<const double> weight, std::span<const double> gradient = {});
@@ -35,7 +36,9 @@ class QuadraticCost final : public Term {
 
 /// Constraints g = sum_j A_j x_j - b = 0, one saddle node each, whose unknowns are the multipliers lambda. With the
 /// signs of Term: rows of the constraint get +g, rows of x_j get -A_j' lambda. At a solution lambda is the change of the
-/// least cost with b.
+/// least cost with b. Where an A_j has independent rows, BlockGraph::add_edge(constraint, node, EdgeRank::full) says so, and
+/// lets the constraint be eliminated as soon as that node is: on chains of states and inputs that is the difference
+/// between some fill and none.
 class LinearConstraint final : public Term {
  public:
   struct Part {

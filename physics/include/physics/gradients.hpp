@@ -46,7 +46,7 @@ enum class StepInput {
   inertia,   ///< per moving body: Jxx, Jyy, Jzz, Jxy, Jxz, Jyz, mass held [kg m^2]
 };
 
-/// Derivatives of one step by the implicit function theorem (algorithm.md 7, docs/gradients.md): with the residual
+/// Derivatives of one step by the implicit function theorem (docs/gradients.md): with the residual
 /// R(y, p) = 0 of the step, y its velocities and joint impulses, p its inputs,
 ///   dy/dp = -A^-1 dR/dp,   A = dR/dy with the contacts condensed into it.
 /// A state is, per moving body, 12 numbers: position (3, world), rotation (3, the vector theta of q exp(theta), body

@@ -53,10 +53,13 @@ struct ProblemSize {
   ProblemSize& operator+=(const ProblemSize& other);  ///< of problems side by side
 };
 
+/// What a status means for a step, with advice; empty when solved. Static storage.
+std::string_view step_explanation(graphsolve::Status status);
+
 /// Outcome of one step. On failure the state is the one before the step.
 struct StepResult {
   graphsolve::Status status = graphsolve::Status::solved;
-  std::string_view cause;  ///< one sentence with advice, static storage; empty when solved
+  std::string_view cause;  ///< step_explanation(status)
   int iterations = 0;      ///< Newton iterations of all substeps
   double residual = 0;     ///< natural residual at the end [m/s]
   int substeps = 1;
