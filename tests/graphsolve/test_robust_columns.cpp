@@ -9,11 +9,14 @@
 
 #include "factorization_cases.hpp"
 #include "graphsolve/robust_solver.hpp"
+#include "pair_of_nodes.hpp"
 #include "support/problem_families.hpp"
 
 namespace {
 
 using namespace graphsolve;
+using cases::fill;
+using cases::pair_graph;
 using cases::view;
 using families::Difficulty;
 using families::Family;
@@ -128,24 +131,9 @@ TEST(RobustSolver, OfSeveralRightHandSidesTheWorstIsReportedAndTheOthersAreSolve
   for (const int c : {1, 3}) EXPECT_EQ(x.col(c), Eigen::VectorXd::Constant(x.rows(), untouched)) << c;
 }
 
-BlockGraph two_nodes() {
-  BlockGraph graph;
-  const NodeId a = graph.add_node("left", 1), b = graph.add_node("right", 1);
-  graph.add_edge(a, b);
-  return graph;
-}
-
-void fill(RobustSolver& solver, double aa, double ab, double ba, double bb) {
-  const Symbolic& s = solver.symbolic();
-  solver.entry(s.block({0}, {0})) = aa;
-  solver.entry(s.block({0}, {1})) = ab;
-  solver.entry(s.block({1}, {0})) = ba;
-  solver.entry(s.block({1}, {1})) = bb;
-}
-
 TEST(RobustSolver, TransposedSolvesTakeTheRungsOfTheTransposedMatrixAndSaySo) {
   int calls = 0;
-  RobustSolver solver(two_nodes(), {.fallback = [&](const RobustSolver::Matrix& a, std::span<const double> r, std::span<double> y) {
+  RobustSolver solver(pair_graph(), {.fallback = [&](const RobustSolver::Matrix& a, std::span<const double> r, std::span<double> y) {
                         ++calls;
                         EXPECT_EQ(std::vector<double>(a.values.begin(), a.values.end()), (std::vector<double>{2, 5}));
                         y[0] = r[1] / 2, y[1] = r[0] / 5;
@@ -163,7 +151,7 @@ TEST(RobustSolver, TransposedSolvesTakeTheRungsOfTheTransposedMatrixAndSaySo) {
 }
 
 TEST(RobustSolver, TransposedSolvesFollowTheValues) {
-  RobustSolver solver(two_nodes());
+  RobustSolver solver(pair_graph());
   const std::vector<double> b{4, 8};
   std::vector<double> x(2);
   for (const double zero : {1.0, 0.0}) {  // at 0 by the transposed matrix itself
@@ -226,7 +214,7 @@ TEST(RobustSolver, SmallContradictionsAmongLargeNumbersAreFoundOnBothSides) {
 }
 
 TEST(RobustSolver, NumbersThatAreNoneAreNamedAlsoWhereTheSystemIsTransposed) {
-  RobustSolver solver(two_nodes());
+  RobustSolver solver(pair_graph());
   fill(solver, 1, std::numeric_limits<double>::quiet_NaN(), 0, 1);
   const std::vector<double> b{1, 2};
   std::vector<double> x(2);

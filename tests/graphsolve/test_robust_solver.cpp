@@ -10,11 +10,14 @@
 #include "graphsolve/diagnosis.hpp"
 #include "graphsolve/interior_point.hpp"
 #include "graphsolve/linear_quadratic.hpp"
+#include "pair_of_nodes.hpp"
 #include "support/problem_families.hpp"
 
 namespace {
 
 using namespace graphsolve;
+using cases::fill;
+using cases::pair_graph;
 using cases::view;
 using families::Problem;
 
@@ -92,21 +95,6 @@ TEST(RobustSolver, RowsThatOnlyRoundingMakesDependentContradictNothing) {
   const auto report = solver.solve(view(problem.right), view(x));
   EXPECT_EQ(report.status, Status::solved) << report.why;
   EXPECT_EQ(report.rung, Rung::threshold_pivoting) << report.why;
-}
-
-BlockGraph pair_graph(NodeKind kind = NodeKind::regular) {
-  BlockGraph graph;
-  const NodeId a = graph.add_node("left", 1, kind), b = graph.add_node("right", 1, kind);
-  graph.add_edge(a, b);
-  return graph;
-}
-
-void fill(RobustSolver& solver, double aa, double ab, double ba, double bb) {
-  const Symbolic& s = solver.symbolic();
-  solver.entry(s.block({0}, {0})) = aa;
-  solver.entry(s.block({0}, {1})) = ab;
-  solver.entry(s.block({1}, {0})) = ba;
-  solver.entry(s.block({1}, {1})) = bb;
 }
 
 TEST(RobustSolver, ABlockWithoutPivotIsSaidAndSolvedInAnotherOrder) {
