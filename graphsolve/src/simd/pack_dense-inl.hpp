@@ -250,7 +250,7 @@ HWY_INLINE void product_lower(const double* l, const double* w, int rows, int d,
 }
 
 /// Which dimensions are constants: the usual ones, where a pack is one register or two. Where it is more (plain code, which
-/// hardly any machine falls back to) that gains a tenth to a third, and takes longer to compile than all else here.
+/// hardly any machine falls back to) that gains a tenth to a half, and takes longer to compile than all else here.
 template <int D, int L>
 inline constexpr int compiled_dimension = PackOf<L>::parts > 2 ? 0 : D;
 
