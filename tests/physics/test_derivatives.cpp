@@ -2,12 +2,12 @@
 
 #include <random>
 
-#include "bodies.hpp"
-#include "contact_port.hpp"
+#include "terms/bodies.hpp"
+#include "terms/contact_port.hpp"
 #include "graphsolve/derivative_check.hpp"
 #include "graphsolve/ordering.hpp"
-#include "joints.hpp"
-#include "pyramid_law.hpp"
+#include "terms/joints.hpp"
+#include "terms/pyramid_law.hpp"
 
 /// Every term, port and law of the simulator against central differences, in general position in space.
 namespace {

@@ -1,4 +1,4 @@
-#include "pyramid_contacts.hpp"
+#include "terms/pyramid_contacts.hpp"
 
 #include <gtest/gtest.h>
 

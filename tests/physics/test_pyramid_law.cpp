@@ -1,4 +1,4 @@
-#include "pyramid_law.hpp"
+#include "terms/pyramid_law.hpp"
 
 #include <gtest/gtest.h>
 

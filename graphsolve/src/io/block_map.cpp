@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "block_pattern.hpp"
+#include "graph/block_pattern.hpp"
 #include "graphsolve/io/json_lines.hpp"
 #include "graphsolve/io/matrix_market.hpp"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "kernels.hpp"
+#include "factorization/kernels.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "simd/block_kernels.cpp"

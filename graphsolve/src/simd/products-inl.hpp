@@ -11,7 +11,7 @@
 #include <span>
 
 #include "graphsolve/symbolic.hpp"
-#include "kernels.hpp"
+#include "factorization/kernels.hpp"
 #include "simd/rows-inl.hpp"
 
 /// Products of single blocks, as kernels.hpp describes them.

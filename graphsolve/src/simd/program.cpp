@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-#include "operations.hpp"
+#include "symbolic/operations.hpp"
 #include "simd/bundles.hpp"
 
 namespace graphsolve::simd {

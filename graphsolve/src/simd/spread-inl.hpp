@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "kernels.hpp"
+#include "factorization/kernels.hpp"
 #include "simd/rows-inl.hpp"
 
 /// Products of an L with a W that lies spread, block row by block row, as kernels.hpp describes them.

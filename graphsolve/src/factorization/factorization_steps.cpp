@@ -1,0 +1,171 @@
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "factorization/factorization_active.hpp"
+#include "simd/pivot_kernels.hpp"
+
+/// Elimination along the program: up to eight equal pivots at a time.
+namespace graphsolve {
+
+void Factorization::set_active(std::span<const int> components) const {
+  const simd::Program& program = symbolic_->program();
+  active_.assign(components.begin(), components.end());
+  std::fill(lanes_.begin(), lanes_.end(), std::uint8_t{0});
+  for (const int c : components) {
+    std::uint8_t& lanes = lanes_[program.group_of(c)];
+    lanes = static_cast<std::uint8_t>(lanes | program.copy_bit(c));
+  }
+}
+
+void Factorization::set_all_active() const { set_active(everything_); }
+
+bool Factorization::takes_part(int pivot) const {
+  const simd::Program& program = symbolic_->program();
+  const int c = symbolic_->component(symbolic_->node(pivot));
+  return (lanes_[program.group_of(c)] & program.copy_bit(c)) != 0;
+}
+
+/// What refactorize() applies again it applies pivot by pivot. The shift of a symmetric matrix is measured at every
+/// saddle block while it is updated.
+bool Factorization::in_packs() const {
+  return symbolic_->packs() == Packs::on && share_.empty() && !(symmetric() && saddle_shift_ != 0);
+}
+
+void Factorization::alone_if_active(int k) {
+  if (!takes_part(k)) return;
+  const int c = symbolic_->component(symbolic_->node(k));
+  eliminate_from(k, outcomes_[c]);
+  if (!outcomes_[c].ok()) leave_out(c);
+}
+
+/// From here on, in this call.
+void Factorization::leave_out(int component) {
+  const simd::Program& program = symbolic_->program();
+  std::uint8_t& lanes = lanes_[program.group_of(component)];
+  lanes = static_cast<std::uint8_t>(lanes & ~program.copy_bit(component));
+}
+
+/// Outcomes by component, or what packs do all in the first. A component that has failed takes no further part. right: where
+/// given, goes through the forward half of its solve on the way.
+void Factorization::factorize_active(Count count, const Vectors* right) {
+  const Symbolic& s = *symbolic_;
+  prepare();
+  if (keep_matrix_) count = Count::each;
+  const simd::PackNumbers numbers{.values = values_.data(),
+                                  .scratch = scratch_.data(),
+                                  .reference = reference_.data(),
+                                  .saddle_shift = kind_ == FactorizationKind::cholesky ? 0.0 : saddle_shift_};
+  const auto forward = [&](int k) { solve_forward(k, right->x, 1); };
+  if (!in_packs()) {  // in the order of the pivots, as refactorize() goes
+    for (const int c : active_) {
+      for (int k = s.component_begin(c); k < s.component_begin(c + 1) && outcomes_[c].ok(); ++k) {
+        eliminate_from(k, outcomes_[c]);
+        if (right != nullptr && outcomes_[c].ok()) forward(k);
+      }
+      if (!outcomes_[c].ok()) leave_out(c);
+    }
+    return;
+  }
+  walk(
+      false,
+      [&](int pack, unsigned lanes) {
+        eliminate_together(pack, lanes, count, numbers);
+        if (right != nullptr) forward_pack(pack, lanes, *right);
+      },
+      [&](int k) {
+        alone_if_active(k);
+        if (right != nullptr && takes_part(k)) forward(k);
+      });
+}
+
+/// The lanes of a pack, or, where some have to go alone, runs of lanes between them: what several add to one block is
+/// added in the order of the pivots, in any company.
+void Factorization::eliminate_together(int number, unsigned active, Count count, const simd::PackNumbers& numbers) {
+  const Symbolic& s = *symbolic_;
+  const simd::PivotPack& pack = s.program().pack(number);
+  const auto watch = kind_ == FactorizationKind::cholesky ? simd::Watch::no : simd::Watch::yes;
+  const auto together = [&](unsigned lanes) {
+    const unsigned before = packed_[number];
+    const simd::PackJob job{s, s.program(), pack, numbers, lanes};
+    const unsigned other = symmetric() ? simd::eliminate_symmetric(job, definite(pack.pivot[0]), watch)
+                                       : simd::eliminate(job);
+    if (other != 0) return other;
+    packed_[number] = static_cast<std::uint8_t>(before | lanes);
+    count_pack(pack, lanes, count);
+    for (unsigned rest = lanes & ~before, l = 0; rest != 0; rest >>= 1, ++l) {  // usually none: nothing changes its place
+      if (!(rest & 1u)) continue;
+      const int k = pack.pivot[l];
+      rank_[k] = s.dimension(k);
+      for (int i = 0; i < s.dimension(k); ++i) row_exchange_[first_row_[k] + i] = i;
+    }
+    return 0u;
+  };
+  if (keep_matrix_ && largest_entry_ > 0) measure_growth(pack, active);
+  const unsigned other = together(active);
+  if (other == 0) return;
+  unsigned run = 0;
+  for (int l = 0; l <= pack.lanes; ++l) {
+    const bool ends = l == pack.lanes || (other >> l & 1u);
+    if (ends && run != 0) together(std::exchange(run, 0));
+    if (l == pack.lanes) break;
+    if (ends) alone_if_active(pack.pivot[l]);
+    else run |= active & 1u << l;
+  }
+}
+
+/// Of the blocks of a pack before they are eliminated.
+void Factorization::measure_growth(const simd::PivotPack& pack, unsigned active) {
+  const simd::Shape& shape = symbolic_->program().shape(pack);
+  const int d = shape.dimension, lanes = pack.lanes;
+  const double* v = values_.data() + pack.place;
+  double largest[simd::lanes] = {};
+  const auto take = [&](const double* block, int begin, int end) {
+    for (int i = begin; i < end; ++i)
+      for (int l = 0; l < lanes; ++l) largest[l] = std::max(largest[l], std::abs(block[i * lanes + l]));
+  };
+  if (symmetric()) {  // the other triangle is not kept up
+    for (int j = 0; j < d; ++j) take(v, j * (d + 1), (j + 1) * d);
+    take(v, d * d, shape.lower_size());
+  } else {
+    take(v, 0, shape.lower_size());
+    take(values_.data() + pack.upper, 0, shape.upper_size());
+  }
+  for (int l = 0; l < lanes; ++l) {
+    if (!(active >> l & 1u)) continue;
+    Outcome& outcome = outcomes_[symbolic_->component(symbolic_->node(pack.pivot[l]))];
+    outcome.growth = std::max(outcome.growth, largest[l] / largest_entry_);
+  }
+}
+
+void Factorization::count_pack(const simd::PivotPack& pack, unsigned active, Count count) {
+  const Symbolic& s = *symbolic_;
+  const simd::Shape& shape = s.program().shape(pack);
+  const std::int64_t operations = symmetric() ? shape.symmetric_operations : shape.operations;
+  const auto add = [&](Outcome& outcome, int pivots) {
+    outcome.operations += operations * pivots;
+    outcome.pivots += pivots;
+    if (!symmetric()) return;
+    const bool negative = shape.saddle && kind_ != FactorizationKind::cholesky;
+    (negative ? outcome.inertia.negative : outcome.inertia.positive) += shape.dimension * pivots;
+  };
+  if (count == Count::together) return add(outcomes_[0], std::popcount(active));
+  // A component by itself owns every lane: finding it by pivot, node and group was most of the time here.
+  if (active_.size() == 1) return add(outcomes_[active_.front()], std::popcount(active));
+  const int first = s.component(s.node(pack.pivot[0]));
+  const auto& group = s.program().groups()[s.program().group_of(first)];
+  if (group.copies == 1) return add(outcomes_[first], std::popcount(active));
+  for (int l = 0; l < pack.lanes; ++l)
+    if (active >> l & 1u) add(outcomes_[group.component[l]], 1);
+}
+
+/// Where the factor of a pivot can be read, one scalar after the other: with the values, or a copy.
+Factorization::PivotFactor Factorization::factor_of(int k, double* buffer) const {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  if (p.stride == 1) return {values_.data() + p.diagonal, values_.data() + p.lower, values_.data() + p.upper};
+  gather(k, buffer);
+  return {buffer, buffer + p.dimension * p.dimension, buffer + p.lower_scalars()};
+}
+
+}  // namespace graphsolve

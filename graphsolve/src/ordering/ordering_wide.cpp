@@ -1,0 +1,194 @@
+#include <algorithm>
+#include <limits>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "graphsolve/ordering.hpp"
+#include "ordering/ordering_held.hpp"
+#include "ordering/ordering_segments.hpp"
+#include "ordering/quotient_graph.hpp"
+
+namespace graphsolve {
+
+namespace {
+
+constexpr std::size_t narrow = 2;  ///< neighbours of a node that every round takes
+constexpr int last = std::numeric_limits<int>::max();  ///< in place of the rows of a node that had better wait
+
+/// Rounds of independent nodes. Eliminating one of a round changes neither neighbours nor eligibility of the others,
+/// so a round may be sorted freely: by shape. A round looks at no less than a quarter of the nodes that may come, and
+/// takes a constant share of these: hence O(log n) rounds on graphs of bounded degree, and O(n) work in them.
+class Wide {
+ public:
+  explicit Wide(const BlockGraph& graph)
+      : graph_(graph), rule_(graph), rest_(graph), segments_(graph.size()), components_(connected_components(graph)),
+        costless_(components_.count, 0), blocked_(graph.size(), 0), seen_(graph.size(), 0) {
+    for (int i = 0; i < graph.size(); ++i) {
+      if (graph.kind({i}) == NodeKind::semidefinite) costless_[components_.of_node[i]] = 1;
+      if (rule_.eligible({i})) waiting_.push_back({i});
+    }
+  }
+
+  Ordering run() {
+    Ordering result{.method = OrderingMethod::wide};
+    result.sequence.reserve(graph_.size());
+    for (Waiting& w : waiting_) score(w);
+    while (static_cast<int>(result.sequence.size()) < graph_.size()) {
+      if (waiting_.empty()) {
+        force(result);
+        continue;
+      }
+      find_candidates();
+      cut_paths();
+      pick_round();
+      for (const Pick& pick : round_) {
+        result.sequence.push_back({pick.node});
+        eliminate(pick.node);
+      }
+      refresh();
+    }
+    return result;
+  }
+
+ private:
+  struct Waiting {
+    int node;
+    int rows = last;  ///< of its neighbours
+    bool narrow = false;
+    bool operator<(const Waiting& other) const { return std::tie(rows, node) < std::tie(other.rows, other.node); }
+  };
+  struct Pick {
+    NodeKind kind;
+    int dimension, coupled_rows, node;
+    bool operator<(const Pick& other) const {
+      return std::tie(kind, dimension, coupled_rows, node) <
+             std::tie(other.kind, other.dimension, other.coupled_rows, other.node);
+    }
+  };
+
+  void score(Waiting& w) {
+    w.narrow = 0;
+    w.rows = last;
+    if (wasteful(w.node)) return;
+    rest_.neighbours(w.node, graph_.size(), around_);
+    w.narrow = around_.size() <= narrow ? 1 : 0;
+    w.rows = rows(around_);
+  }
+
+  [[nodiscard]] int rows(std::span<const int> nodes) const {
+    int sum = 0;
+    for (const int i : nodes) sum += graph_.dimension({i});
+    return sum;
+  }
+
+  /// Would eliminating the node leave several guests at it, in a component with costless nodes? Guests that share a
+  /// host wait for all their hosts, among them perhaps costless ones, which wait in turn for their guests: such a host
+  /// had better serve a single guest, or all may come to wait for each other.
+  [[nodiscard]] bool wasteful(int node) const {
+    if (graph_.kind({node}) != NodeKind::regular || !costless_[components_.of_node[node]]) return false;
+    int guests = 0;
+    for (const auto& edge : graph_.edges({node}))
+      guests += graph_.kind(edge.to) == NodeKind::saddle && rest_.alive(edge.to.index);
+    return guests > 1;
+  }
+
+  /// The narrow nodes, and of the others those at most twice as large as the smallest; no more than it takes to have
+  /// a quarter of all.
+  void find_candidates() {
+    const auto quarter = waiting_.begin() + static_cast<std::ptrdiff_t>(waiting_.size() / 4);
+    std::nth_element(waiting_.begin(), quarter, waiting_.end());
+    int least = last;
+    for (const Waiting& w : waiting_)
+      if (!w.narrow) least = std::min(least, w.rows);
+    const int bound = least < last ? std::min(quarter->rows, 2 * least) : 0;
+    candidates_.clear();
+    for (const Waiting& w : waiting_)
+      if (w.rows < last && (w.narrow || w.rows <= bound)) candidates_.push_back(w);
+    // Of wasteful nodes one at a time: it may give the others a way out.
+    if (candidates_.empty()) candidates_.push_back(*std::min_element(waiting_.begin(), waiting_.end()));
+  }
+
+  void cut_paths() {
+    narrow_.clear();
+    for (const Waiting& w : candidates_)
+      if (w.narrow) narrow_.push_back(w.node);
+    segments_.find(narrow_, rest_);
+    if (std::ranges::all_of(candidates_, [&](const Waiting& w) { return segments_.waits(w.node); })) segments_.give_up();
+  }
+
+  void pick_round() {
+    ++stamp_;
+    round_.clear();
+    // Along a path greedy picking then takes every second node.
+    const auto key = [&](const Waiting& w) { return std::pair(w.rows, segments_.rank(w.node)); };
+    std::sort(candidates_.begin(), candidates_.end(), [&](const Waiting& a, const Waiting& b) { return key(a) < key(b); });
+    for (const Waiting& w : candidates_) {
+      const int node = w.node;
+      if (blocked_[node] == stamp_ || segments_.waits(node)) continue;
+      rest_.neighbours(node, graph_.size(), around_);
+      for (const int i : around_) blocked_[i] = stamp_;
+      round_.push_back({graph_.kind({node}), graph_.dimension({node}), rows(around_), node});
+    }
+    std::sort(round_.begin(), round_.end());
+    touched_.clear();
+  }
+
+  void eliminate(int node) {
+    segments_.eliminate(node);
+    const auto clique = rest_.eliminate(node);
+    touched_.insert(touched_.end(), clique.begin(), clique.end());
+    freed_.clear();
+    rule_.eliminate({node}, freed_);
+    for (const NodeId i : freed_) waiting_.push_back({i.index});
+  }
+
+  /// Looks again at what the round touched.
+  void refresh() {
+    ++stamp_;
+    for (const int i : touched_) seen_[i] = stamp_;
+    std::erase_if(waiting_, [&](const Waiting& w) { return !rest_.alive(w.node); });
+    for (Waiting& w : waiting_)
+      if (seen_[w.node] == stamp_ || w.rows == last) score(w);
+  }
+
+  /// No node may come: takes the one with the smallest neighbours against the rule.
+  void force(Ordering& result) {
+    Waiting least{-1};
+    for (int i = 0; i < graph_.size(); ++i) {
+      if (!rest_.alive(i)) continue;
+      rest_.neighbours(i, graph_.size(), around_);
+      if (least.node < 0 || rows(around_) < least.rows) least = {i, rows(around_)};
+    }
+    ++result.forced;
+    result.sequence.push_back({least.node});
+    touched_.clear();
+    eliminate(least.node);
+    refresh();
+  }
+
+  const BlockGraph& graph_;
+  Eligibility rule_;
+  QuotientGraph rest_;
+  Segments segments_;
+  Components components_;
+  std::vector<char> costless_;  ///< per component: are there semidefinite nodes?
+  std::vector<Waiting> waiting_;  ///< all nodes that may come next
+  std::vector<Waiting> candidates_;
+  std::vector<Pick> round_;
+  std::vector<int> blocked_;  ///< last round in which a neighbour was picked
+  std::vector<int> seen_;     ///< last round that touched it
+  int stamp_ = 0;
+  std::vector<int> touched_, around_, narrow_;
+  std::vector<NodeId> freed_;
+};
+
+}  // namespace
+
+Ordering wide_ordering(const BlockGraph& graph) {
+  Ordering result = Wide(graph).run();
+  hold_networks_early(graph, result);
+  return result;
+}
+
+}  // namespace graphsolve

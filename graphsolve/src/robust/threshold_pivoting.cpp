@@ -1,0 +1,101 @@
+#include "robust/threshold_pivoting.hpp"
+
+#include <cmath>
+
+#include "factorization/twice_precision.hpp"
+
+namespace graphsolve {
+
+namespace {
+
+constexpr int equilibrations = 5;  ///< each halves the digits by which rows and columns differ
+constexpr int patience = 3;        ///< sweeps in a row that may bring nothing
+
+/// Largest entry of each row or column, to the power -1/2, as a power of two; 1 where there is none.
+Eigen::VectorXd half_way_to_one(const Eigen::VectorXd& largest) {
+  return largest.unaryExpr([](double m) { return m > 0 && std::isfinite(m) ? std::ldexp(1.0, -std::ilogb(m) / 2) : 1.0; });
+}
+
+/// max |b - A x|_i / (|A| |x| + |b|)_i, and the residual, taken in twice the precision; NaN stays.
+double backward_error(const Eigen::SparseMatrix<double>& a, const Eigen::VectorXd& b, const Eigen::VectorXd& x,
+                      Eigen::VectorXd& residual) {
+  Eigen::VectorXd magnitude = b.cwiseAbs(), low = Eigen::VectorXd::Zero(b.size());
+  residual = b;
+  for (int j = 0; j < a.outerSize(); ++j)
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(a, j); entry; ++entry) {
+      subtract_product(residual[entry.row()], low[entry.row()], entry.value(), x[j]);
+      magnitude[entry.row()] += std::abs(entry.value() * x[j]);
+    }
+  residual += low;
+  double error = 0;
+  for (Eigen::Index i = 0; i < b.size(); ++i) {
+    if (magnitude[i] == 0) continue;
+    const double e = std::abs(residual[i]) / magnitude[i];
+    if (e > error || std::isnan(e)) error = e;
+  }
+  return error;
+}
+
+}  // namespace
+
+ThresholdPivoting::ThresholdPivoting(Eigen::SparseMatrix<double> matrix, RobustSolver::Fallback given)
+    : matrix_(std::move(matrix)), given_(std::move(given)) {
+  if (given_) return;
+  scale();
+  lu_.compute(row_scale_.asDiagonal() * matrix_ * column_scale_.asDiagonal());
+  regular_ = lu_.info() == Eigen::Success;
+}
+
+/// Ruiz 2001, "A scaling algorithm to equilibrate both rows and columns norms in matrices". A pivot is chosen by size:
+/// without this by the units of its row.
+void ThresholdPivoting::scale() {
+  row_scale_ = column_scale_ = Eigen::VectorXd::Ones(matrix_.rows());
+  for (int k = 0; k < equilibrations; ++k) {
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(matrix_.rows()), column = row;
+    for (int j = 0; j < matrix_.outerSize(); ++j)
+      for (Eigen::SparseMatrix<double>::InnerIterator entry(matrix_, j); entry; ++entry) {
+        const double size = std::abs(row_scale_[entry.row()] * entry.value() * column_scale_[j]);
+        row[entry.row()] = std::max(row[entry.row()], size);
+        column[j] = std::max(column[j], size);
+      }
+    row_scale_ = row_scale_.cwiseProduct(half_way_to_one(row));
+    column_scale_ = column_scale_.cwiseProduct(half_way_to_one(column));
+  }
+}
+
+bool ThresholdPivoting::solve_once(const Eigen::VectorXd& b, Eigen::VectorXd& x) {
+  if (!given_) {
+    x = column_scale_.cwiseProduct(lu_.solve(row_scale_.cwiseProduct(b)).eval());
+    return true;
+  }
+  const auto n = static_cast<std::size_t>(b.size());
+  const auto nonzeros = static_cast<std::size_t>(matrix_.nonZeros());
+  x.setZero(b.size());
+  return given_({.rows = static_cast<int>(n),
+                 .column_begin = {matrix_.outerIndexPtr(), n + 1},
+                 .row_index = {matrix_.innerIndexPtr(), nonzeros},
+                 .values = {matrix_.valuePtr(), nonzeros}},
+                {b.data(), n}, {x.data(), n});
+}
+
+ThresholdPivoting::Result ThresholdPivoting::solve(const Eigen::VectorXd& b, int max_sweeps) {
+  Result result;
+  Eigen::VectorXd x, residual, correction;
+  if (!regular_) result.why = "the matrix is singular";
+  else if (!solve_once(b, x)) result.why = "the given solver failed";
+  if (!result.why.empty()) return result;
+  result.x = x;
+  result.backward_error = backward_error(matrix_, b, x, residual);
+  for (int sweep = 0, in_vain = 0; sweep < max_sweeps && in_vain < patience && result.backward_error > 1e-16; ++sweep) {
+    if (!solve_once(residual, correction)) break;
+    x += correction;
+    const double error = backward_error(matrix_, b, x, residual);
+    in_vain = error <= 0.9 * result.backward_error ? 0 : in_vain + 1;
+    if (!(error < result.backward_error) && !std::isnan(result.backward_error)) continue;
+    result.x = x;
+    result.backward_error = error;
+  }
+  return result;
+}
+
+}  // namespace graphsolve
