@@ -79,4 +79,12 @@ double crossing(std::span<const double> x, std::span<const double> y, double lev
   return std::numeric_limits<double>::quiet_NaN();
 }
 
+std::string growth_in_words(const PowerLaw& law, const std::string& counts) {
+  if (!std::isfinite(law.exponent)) return "too few sizes were solved to say how it grows";
+  if (law.low > 1.1) return "more than linear in the " + counts;
+  if (law.high > 1.1) return "nearly linear in the " + counts;
+  if (law.exponent < 0.9) return "less than linear in the " + counts;
+  return "linear in the " + counts;
+}
+
 }  // namespace cli::study

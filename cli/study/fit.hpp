@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 namespace cli::study {
 
@@ -14,6 +15,9 @@ struct PowerLaw {
 
 /// x, y: equal lengths, >= 2, all > 0, not all x equal (asserted).
 PowerLaw fit_power_law(std::span<const double> x, std::span<const double> y);
+
+/// How y grows with what is counted: "linear in the contacts", as far as the interval of the exponent allows to say so.
+std::string growth_in_words(const PowerLaw& law, const std::string& counts);
 
 /// y = fixed + rate x, fitted to the relative deviations.
 struct Line {

@@ -14,14 +14,6 @@ constexpr const char* published_source =
     "ConstrainedDynamics.jl 0.9.1 with GraphBasedSystems.jl 1.2.0 (Julia), run by this project on another machine of "
     "this kind, unit 149 ns; ratios carry over, absolute times do not";
 
-std::string growth_in_words(const PowerLaw& law, const std::string& counts) {
-  if (!std::isfinite(law.exponent)) return "too few sizes were solved to say how it grows";
-  if (law.low > 1.1) return "faster than linear in the " + counts;
-  if (law.high > 1.1) return "nearly linear in the " + counts;
-  if (law.exponent < 0.9) return "slower than linear in the " + counts;
-  return "linear in the " + counts;
-}
-
 std::string finding(const Family& family, const Measured& measured) {
   const PowerLaw& law = measured.iteration_law;
   return fmt::format("Time per iteration grows as {}^{:.2f} (95 %: {:.2f} to {:.2f}):\n{}", family.symbol, law.exponent,

@@ -61,6 +61,17 @@ TEST(StudyFit, ACrossingLiesOnTheLineOfTheLogarithmsAndNowhereBeyondThePoints) {
   EXPECT_TRUE(std::isnan(crossing(x, y, 1e-7)));
 }
 
+TEST(StudyFit, GrowthIsToldAsMoreOrLessThanLinear) {
+  const auto words = [](double low, double exponent, double high) {
+    return cli::study::growth_in_words({.exponent = exponent, .low = low, .high = high}, "contacts");
+  };
+  EXPECT_EQ(words(0.6, 0.7, 0.8), "less than linear in the contacts");
+  EXPECT_EQ(words(0.95, 1, 1.05), "linear in the contacts");
+  EXPECT_EQ(words(1, 1.08, 1.16), "nearly linear in the contacts");
+  EXPECT_EQ(words(1.2, 1.3, 1.4), "more than linear in the contacts");
+  EXPECT_EQ(words(NAN, NAN, NAN), "too few sizes were solved to say how it grows");
+}
+
 TEST(StudyTable, TheFirstColumnIsLeftTheOthersRightAndNoLineEndsInBlanks) {
   cli::study::Table table({"scene", "us", "failed"});
   table.add({"disc", "12.5", "0"});
