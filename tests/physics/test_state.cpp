@@ -4,6 +4,7 @@
 #include <limits>
 #include <string>
 
+#include "physics/batch_simulator.hpp"
 #include "physics/scene_io.hpp"
 #include "physics/scenes.hpp"
 #include "physics/simulator.hpp"
@@ -83,6 +84,43 @@ TEST(State, AMotorsTargetMovesWithinSubsteps) {
   EXPECT_NEAR(found.bodies[0].angular_velocity.z(), expected.bodies[0].angular_velocity.z(), 1e-9);
   EXPECT_NEAR(*found.joints[0].effort, *expected.joints[0].effort, 1e-7);
   EXPECT_GT(std::abs(*found.joints[0].effort), 1);
+}
+
+TEST(State, TimeIsTheNumberOfStepsTimesTheirLength) {
+  constexpr double dt = 0.01;
+  Simulator simulator(driven_wheel(dt, false));
+  double sum = 0;
+  for (int k = 1; k <= 5000; ++k) {
+    ASSERT_TRUE(simulator.step().ok());
+    sum += dt;
+    ASSERT_EQ(simulator.time(), k * dt) << k;
+  }
+  EXPECT_NE(simulator.time(), sum) << "the test shows nothing";
+  BatchSimulator batch(driven_wheel(dt, false), 2);
+  for (int k = 1; k <= 100; ++k) batch.step();
+  EXPECT_EQ(batch.time(1), 100 * dt);
+}
+
+TEST(State, AContinuedRunHasTheTimesOfTheWholeAndOfItsRecordWhereThatBeganElsewhere) {
+  constexpr double dt = 0.01;
+  const Mechanism scene = driven_wheel(dt, false);
+  Simulator whole(scene), continued(scene);
+  StepRecord record;
+  for (int k = 0; k < 57; ++k) ASSERT_TRUE(whole.step().ok());
+  whole.write_record(record);
+  continued.restart_from(record);
+  for (int k = 0; k < 50; ++k) {
+    ASSERT_TRUE(whole.step().ok() && continued.step().ok());
+    ASSERT_EQ(continued.time(), whole.time()) << k;
+  }
+  record.time = 100.1;
+  continued.restart_from(record);
+  EXPECT_EQ(continued.time(), 100.1);
+  for (int k = 1; k <= 50; ++k) {
+    ASSERT_TRUE(continued.step().ok());
+    ASSERT_NEAR(continued.time(), 100.1 + k * dt, 1e-14 * 100);
+  }
+  EXPECT_EQ(continued.step_index(), 107);
 }
 
 TEST(State, AFailedStepLeavesTheWholeRecordAsItWas) {

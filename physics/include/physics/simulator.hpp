@@ -26,6 +26,10 @@ struct SimulatorSettings {
   bool time_phases = false;        ///< fill PhaseTimes: a step of a few bodies takes 3 % longer with the clock read
 };
 
+/// The most that the tolerance of this scene's steps is [m/s], |g| dt / 100: what is above is taken as that. Infinite
+/// without gravity.
+double loosest_tolerance(const Mechanism& mechanism);
+
 /// Time spent in the phases of all steps so far, by the steady clock (asking for CPU time costs as much as a small step)
 /// [s]. Zero unless SimulatorSettings::time_phases.
 struct PhaseTimes {

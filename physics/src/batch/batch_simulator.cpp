@@ -123,7 +123,7 @@ const StepResult& BatchSimulator::result(int lane) const { return impl_->lane(la
 const Mechanism& BatchSimulator::mechanism(int lane) const { return impl_->lane(lane).mechanism; }
 int BatchSimulator::step_index(int lane) const { return impl_->lane(lane).step_index; }
 double BatchSimulator::start_correction(int lane) const { return impl_->lane(lane).start_correction; }
-double BatchSimulator::time(int lane) const { return impl_->lane(lane).time; }
+double BatchSimulator::time(int lane) const { return impl_->lane(lane).time(); }
 double BatchSimulator::smallest_distance_before(int lane) const { return impl_->lane(lane).smallest_distance; }
 
 std::string BatchSimulator::failure_place(int lane) const {

@@ -78,7 +78,7 @@ StepGradient::Impl::Rewound::Rewound(Impl& owner) : owner_(owner) {
   --owner_.lane().step_index;
   s.begin({&only, 1}, s.dt);
   s.apply_loads(only, owner_.impulse_time);
-  for (int j = 0; j < s.joints.size(); ++j) s.joints.prepare(j, owner_.lane().time, owner_.impulse_time);
+  for (int j = 0; j < s.joints.size(); ++j) s.joints.prepare(j, owner_.lane().time(1), owner_.impulse_time);
   s.joints.aim({&only, 1});
   s.unknowns = owner_.unknowns;
 }

@@ -14,7 +14,7 @@ std::vector<std::string> Simulator::redundancies() const {
   Impl& s = *impl_;
   const Lane& lane = s.lanes.front();
   s.begin(only, s.dt);
-  for (int j = 0; j < s.joints.size(); ++j) s.joints.prepare(j, lane.time + s.dt, s.dt);
+  for (int j = 0; j < s.joints.size(); ++j) s.joints.prepare(j, lane.time(1), s.dt);
   s.joints.aim(only);
   const auto& factorization = s.solver->factorize_terms(s.unknowns);
   std::vector<double> y(s.unknowns.size());

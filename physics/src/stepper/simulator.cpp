@@ -86,8 +86,7 @@ void Simulator::restart_from(const StepRecord& record) {
     const auto& effort = record.joints[s.joints.geometry(j).source].effort;
     if (effort) s.joints.find_turn(j, *effort, record.time, s.unknowns);
   }
-  lane.step_index = record.step;
-  lane.time = record.time;
+  lane.set_time(record.step, record.time);
   lane.last = {};
 }
 
@@ -95,7 +94,7 @@ void Simulator::write_record(StepRecord& record) const { impl_->write_record(onl
 std::string Simulator::failure_place() const { return impl_->failure_place(only); }
 
 int Simulator::step_index() const { return impl_->lanes[only].step_index; }
-double Simulator::time() const { return impl_->lanes[only].time; }
+double Simulator::time() const { return impl_->lanes[only].time(); }
 double Simulator::time_step() const { return impl_->dt; }
 const Mechanism& Simulator::mechanism() const { return impl_->lanes[only].mechanism; }
 double Simulator::start_correction() const { return impl_->lanes[only].start_correction; }

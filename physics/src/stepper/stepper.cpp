@@ -48,7 +48,6 @@ void Stepper::step(std::span<const int> stepped) {
     }
     if (l.last.ok()) {
       ++l.step_index;
-      l.time += dt;
     } else {
       l.last.cause = step_explanation(l.last.status);
       recall(lane);
@@ -87,7 +86,7 @@ void Stepper::advance(std::span<const int> moved, int part, int parts) {
   begin(moved, h);
   contacts->look(unknowns);
   for (const int lane : moved) {
-    const double smallest_distance = prepare(lane, h, lanes[lane].time + dt * part / parts);
+    const double smallest_distance = prepare(lane, h, lanes[lane].time(static_cast<double>(part) / parts));
     if (part == 1) lanes[lane].smallest_distance = smallest_distance;
   }
   joints.aim(moved);
@@ -209,7 +208,7 @@ void Stepper::note_distances(int lane) {
   for (int k = 0; k < bodies_per_lane; ++k) {
     const int i = body(lane, k);
     const double of_position = 8 * 2.2e-16 * bodies.position(i).lpNorm<Eigen::Infinity>() / bodies.dt;
-    noise[island[i]] = std::max(noise[island[i]], std::min(of_position, loosest_tolerance));
+    noise[island[i]] = std::max(noise[island[i]], std::min(of_position, most_noise));
   }
 }
 

@@ -36,7 +36,8 @@ struct Lane {
   std::vector<int> islands;  ///< components of the graph
   LaneState state, saved_state;
   int step_index = 0;
-  double time = 0;
+  int counted_from = 0;   ///< step that had time_there; times are told from it, not summed up, so that they do not drift
+  double time_there = 0;  ///< [s]
   double start_correction = 0;
   double smallest_distance = 0;  ///< over all contacts, where the last step began
   Attempt attempt;
@@ -44,6 +45,17 @@ struct Lane {
   StepResult before;  ///< of the last step that was solved
   graphsolve::ComponentReport failure;  ///< of the last component that failed
 
+  /// After so many more steps, or parts of one [s].
+  [[nodiscard]] double time(double more = 0) const {
+    return time_there + (step_index - counted_from + more) * mechanism.time_step;
+  }
+  /// A step that lies where it would had the run begun at 0 is told from there, as in the run that led to it.
+  void set_time(int step, double there) {
+    const bool from_start = there == step * mechanism.time_step;
+    step_index = step;
+    counted_from = from_start ? 0 : step;
+    time_there = from_start ? 0 : there;
+  }
   [[nodiscard]] Placement place(int body) const {
     return placement.empty() ? Placement{.body = body, .leads = true} : placement[body];
   }
@@ -101,7 +113,7 @@ struct Stepper {
 
   SimulatorSettings settings;
   double dt = 0;
-  double loosest_tolerance = 0;  ///< a hundredth of what gravity changes in a step [m/s]
+  double most_noise = 0;  ///< largest residual that rounding excuses: the loosest tolerance [m/s]
   Interleaving side_by_side;
   int bodies_per_lane = 0, joints_per_lane = 0;
   std::vector<Lane> lanes;

@@ -45,15 +45,15 @@ graphsolve::Ordering order_copies(const graphsolve::BlockGraph& all, const graph
   return graphsolve::user_ordering(all, sequence);
 }
 
+}  // namespace
+
 /// Steps start from the velocities of the step before. Were they accepted at what gravity changes in a step, nothing would
 /// ever fall.
-double loosest_tolerance_of(const Mechanism& mechanism) {
+double loosest_tolerance(const Mechanism& mechanism) {
   constexpr double part = 0.01;
   const double gained = mechanism.gravity.norm() * mechanism.time_step;
   return gained > 0 ? part * gained : std::numeric_limits<double>::infinity();
 }
-
-}  // namespace
 
 const Motor* motor_of(const Mechanism& mechanism, const JointGeometry& geometry) {
   const auto& motor = mechanism.joints[geometry.source].motor;
@@ -67,8 +67,8 @@ Stepper::Stepper(Mechanism scene, int copies, const SimulatorSettings& options, 
   for (int lane = 1; lane < copies; ++lane) (void)describe(lane, scene);
   Assembly assembly = describe(0, std::move(scene));
   dt = lanes[0].mechanism.time_step;
-  loosest_tolerance = loosest_tolerance_of(lanes[0].mechanism);
-  settings.tolerance = std::min(settings.tolerance, loosest_tolerance);
+  most_noise = loosest_tolerance(lanes[0].mechanism);
+  settings.tolerance = std::min(settings.tolerance, most_noise);
   build(assembly);
   make_solver(assembly, same);
   for (int lane = 0; lane < copies; ++lane) start(lane, assembly);

@@ -116,7 +116,7 @@ void Stepper::write_joints(int lane, std::span<JointRecord> records) const {
 void Stepper::write_record(int lane, StepRecord& record) const {
   const Lane& l = lanes[lane];
   record.step = l.step_index;
-  record.time = l.time;
+  record.time = l.time();
   record.bodies.resize(l.mechanism.bodies.size());
   record.contacts.resize(l.mechanism.contacts.size());
   record.joints.resize(l.mechanism.joints.size());
