@@ -50,9 +50,10 @@ Json outcome(const Report& report) {
             {"first_step", s.first_step},
             {"statuses", statuses}};
   json["status"] = graphsolve::name(report.result.last.status);
-  if (!report.result.ok()) {
-    json["failed_step"] = s.first_step + s.steps + 1;
-    json["cause"] = report.result.last.cause;
+  if (const auto& failure = report.result.failure) {
+    json["failed_step"] = failure->step;
+    json["place"] = failure->place;
+    json["cause"] = failure->cause;
   }
   if (report.signal) json["stopped_by_signal"] = report.signal;
   return json;

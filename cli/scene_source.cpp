@@ -6,6 +6,7 @@
 
 #include "physics/scene_io.hpp"
 #include "physics/scenes.hpp"
+#include "physics/simulator.hpp"
 
 namespace cli {
 
@@ -39,6 +40,15 @@ SceneSource load_scene(const std::string& name) {
   for (const auto& info : physics::built_in_scenes())
     if (info.name == short_name) source.duration = info.duration;
   return source;
+}
+
+double tolerance_used(double asked, const physics::Mechanism& scene) {
+  const double most = physics::loosest_tolerance(scene);
+  if (asked <= most) return asked;
+  fmt::print(stderr,
+             "graphsolve: note: a tolerance of {} m/s would let things hover; |g| dt / 100 = {:.3g} m/s is taken instead\n",
+             asked, most);
+  return most;
 }
 
 const physics::StepRecord& find_record(const physics::Trajectory& trajectory, int step, const std::string& name) {

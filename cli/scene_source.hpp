@@ -18,6 +18,10 @@ bool is_scene_file(const std::string& name);
 /// Throws DescriptionError.
 SceneSource load_scene(const std::string& name);
 
+/// What a step of the scene is accepted at where this tolerance was asked for [m/s]. Says on the standard error where that
+/// is less.
+double tolerance_used(double asked, const physics::Mechanism& scene);
+
 /// The record of that step. Throws DescriptionError that says which there are, or that its numbers are wrong.
 const physics::StepRecord& find_record(const physics::Trajectory& trajectory, int step, const std::string& name);
 

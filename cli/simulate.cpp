@@ -69,7 +69,7 @@ void add_options(CLI::App& command, Options& options) {
   CLI::Option* time_step = add(physics, "--time-step", options.time_step, "DT", "Time step [s] (default: the scene's)");
   CLI::Option* model = add(physics, "--friction-model", options.friction_model, "MODEL",
                            "pyramid or aligned, for all contacts (default: each its own)");
-  add(physics, "--tolerance", options.tolerance, "T", "Residual at which a step is accepted [m/s]")
+  add(physics, "--tolerance", options.tolerance, "T", "Residual at which a step is accepted [m/s], at most |g| dt / 100")
       ->check(positive())
       ->capture_default_str();
   add(output, "--out", options.out, "FILE", "Trajectory: .json, or .csv for plots")->check(file_name());
@@ -130,10 +130,9 @@ int finish(const Options& options, const physics::Simulator& simulator, const ph
   std::string text = for_people(report);
   if (!options.out.empty()) text += fmt::format("{:<22} {}\n", "trajectory", options.out);
   write_and_print({{options.summary, options.summary.empty() ? "" : as_json(report)}}, text);
-  if (!result.ok()) {
-    const int failed = simulator.step_index() + 1;
-    fmt::print(stderr, "graphsolve: {}: step {} (at {:.6g} s) failed, {} at {}: {}\n", options.scene, failed,
-               simulator.time(), graphsolve::name(result.last.status), simulator.failure_place(), result.last.cause);
+  if (const auto& failure = result.failure) {
+    fmt::print(stderr, "graphsolve: {}: step {} (at {:.6g} s) failed, {} at {}: {}\n", options.scene, failure->step,
+               simulator.time(), failure->status, failure->place, failure->cause);
     return step_failed;
   }
   if (result.stopped && result.summary.steps < steps) {
@@ -144,7 +143,7 @@ int finish(const Options& options, const physics::Simulator& simulator, const ph
   return all_solved;
 }
 
-int simulate(const Options& options) {
+int simulate(Options options) {
   check_outputs({{"--out", options.out}, {"--summary", options.summary}},
                 {is_scene_file(options.scene) ? options.scene : ""});
   SceneSource source = load_scene(options.scene);
@@ -154,6 +153,7 @@ int simulate(const Options& options) {
   const int steps = number_of_steps(options, source);
   physics::Simulator simulator = make_simulator(source, options);
   if (from) simulator.restart_from(*from);
+  options.tolerance = tolerance_used(options.tolerance, simulator.mechanism());
 
   std::optional<physics::TrajectoryWriter> writer;
   physics::RunOptions run_options;
@@ -174,7 +174,7 @@ int simulate(const Options& options) {
     };
     return physics::run(simulator, steps, run_options);
   }();
-  if (writer) writer->commit();
+  if (writer) writer->commit(result.failure);
   return finish(options, simulator, result, steps);
 }
 

@@ -84,6 +84,17 @@ TEST_F(Cli, SaysWhereRoundingKeptStepsFromTheTolerance) {
 }
 
 /// A whip of 20 rods turns by more than a radian in steps of 10 ms.
+TEST_F(Cli, SaysThatATooLooseToleranceIsNotTaken) {
+  const std::string note = "graphsolve: note: a tolerance of 1 m/s would let things hover; |g| dt / 100 = 0.000981 m/s is taken "
+                           "instead\n";
+  const Outcome loose = run("simulate disc --steps 3 --tolerance 1 --summary s.json");
+  EXPECT_EQ(loose.code, 0);
+  EXPECT_EQ(loose.err, note);
+  EXPECT_NEAR(nlohmann::json::parse(text("s.json")).at("tolerance_m_per_s").get<double>(), 9.81e-4, 1e-12);
+  EXPECT_EQ(run("simulate disc --steps 3 --tolerance 0.0009").err, "");
+  EXPECT_EQ(run("rollout disc --steps 3 --copies 2 --tolerance 1").err, note);
+}
+
 TEST_F(Cli, SaysWhereEnergyCameFromNowhere) {
   for (const auto& [dt, gains] : {std::pair("0.01", true), std::pair("0.001", false)}) {
     const Outcome outcome = run("simulate pendulum:n=20,joint=revolute,angle=179,dt=" + std::string(dt) + " --duration 5");
@@ -166,9 +177,19 @@ TEST_F(Cli, AStepThatFailsGivesCodeOneAndKeepsTheTrajectorySoFar) {
   const Outcome outcome = run("simulate spin.toml --steps 20 --out t.json --summary s.json");
   EXPECT_EQ(outcome.code, 1);
   EXPECT_TRUE(outcome.err.starts_with("graphsolve: spin.toml: step 5 (at 0.04 s) failed, ")) << outcome.err;
-  EXPECT_EQ(read_scene(path("t.json")).steps.size(), 5u);
+  const physics::Trajectory trajectory = read_scene(path("t.json"));
+  EXPECT_EQ(trajectory.steps.size(), 5u);
+  ASSERT_TRUE(trajectory.failure);
+  EXPECT_EQ(trajectory.failure->step, 5);
+  EXPECT_NE(outcome.err.find(trajectory.failure->status + " at " + trajectory.failure->place + ": " +
+                             trajectory.failure->cause + "\n"),
+            std::string::npos);
   const auto summary = nlohmann::json::parse(text("s.json"));
   EXPECT_EQ(summary.at("failed_step"), 5);
+  EXPECT_EQ(summary.at("place"), trajectory.failure->place);
+  // From a record before, with a step that is not loaded so: nothing of the failure is left.
+  ASSERT_EQ(run("simulate t.json --from 2 --steps 2 --out u.json").code, 0);
+  EXPECT_FALSE(read_scene(path("u.json")).failure);
   EXPECT_NE(summary.at("status"), "solved");
 }
 

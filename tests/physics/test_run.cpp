@@ -87,6 +87,12 @@ TEST(Run, EndsAtAStepThatFailsAndKeepsTheStateBeforeIt) {
   EXPECT_EQ(simulator.step_index(), 4);
   EXPECT_EQ(records, 5);
   EXPECT_EQ(result.summary.statuses.size(), 2u);
+  ASSERT_TRUE(result.failure);
+  EXPECT_EQ(result.failure->step, 5);
+  EXPECT_EQ(result.failure->status, "step_bound");
+  EXPECT_EQ(result.failure->place, simulator.failure_place());
+  EXPECT_EQ(result.failure->cause, result.last.cause);
+  EXPECT_FALSE(run(simulator, 0).failure);
 }
 
 TEST(Run, OfASecondStretchCountsOnlyThatStretch) {

@@ -93,7 +93,7 @@ TEST(SceneErrors, UnknownKeysAreNamedWithTheKnownOnes) {
   EXPECT_EQ(
       json_error(scene("\"bodies\": [],\n\"gravty\": [0, 0, 0]")),
       "s.json:3: gravty: unknown key 'gravty' (known here: format, version, name, time_step, gravity, start, bodies, "
-      "joints, contacts, loads, steps)");
+      "joints, contacts, loads, steps, failure)");
   EXPECT_EQ(json_error(with_body(R"(, "shape": {"type": "sphere", "radius": 1, "height": 2})")),
             "s.json:3: bodies[0].shape.height: unknown key 'height' (known here: type, radius)");
   EXPECT_EQ(json_error(with_body(R"(, "weight": 1)")).substr(0, 48),

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "everything_scene.hpp"
+#include "physics/run.hpp"
 #include "physics/scene_io.hpp"
 #include "physics/scenes.hpp"
 #include "physics/simulator.hpp"
@@ -207,6 +208,40 @@ TEST(SceneIo, WhatJsonCannotSayIsRefusedBeforeAnythingIsWritten) {
             "cannot write a key: \"x_\\ufffd\" is not UTF-8");
   EXPECT_EQ(message([&](Trajectory& t) { t.mechanism.joints[1].child = {7}; }),
             "cannot write body 7: the scene has 2, counted from 0");
+}
+
+TEST(SceneIo, ATrajectorySaysWhereAndWhyItsRunFailed) {
+  Mechanism scene = built_in_scene("pendulum:n=2");
+  scene.add(Load{.body = {0}, .first_step = 3, .last_step = 3, .torque = Vec3(0, 0, 1e9)});
+  Trajectory trajectory{scene, {}};
+  Simulator simulator(scene);
+  trajectory.failure = run(simulator, 9, {.on_step = {}, .record = [&](const StepRecord& r) { trajectory.steps.push_back(r); }}).failure;
+  ASSERT_TRUE(trajectory.failure);
+  const std::string text = written(trajectory);
+  const Trajectory read = parse_scene_json(text);
+  ASSERT_TRUE(read.failure);
+  EXPECT_EQ(read.failure->step, 3);
+  EXPECT_EQ(read.failure->status, trajectory.failure->status);
+  EXPECT_EQ(read.failure->place, trajectory.failure->place);
+  EXPECT_EQ(read.failure->cause, trajectory.failure->cause);
+  EXPECT_EQ(written(read), text);
+  json other = json::parse(text);
+  other["failure"]["step"] = 2;
+  try {
+    (void)parse_scene_json(other.dump(), "t.json");
+    ADD_FAILURE();
+  } catch (const DescriptionError& error) {
+    EXPECT_STREQ(error.what(), "t.json:1: failure: step 2 is not after the last record, 2");
+  }
+  std::ostringstream csv;
+  write_trajectory_csv(trajectory, csv);
+  std::istringstream rows(csv.str());
+  std::string header, row;
+  std::getline(rows, header);
+  for (std::string next; std::getline(rows, next);) row = next;
+  EXPECT_TRUE(row.starts_with("3,,")) << row;
+  EXPECT_TRUE(row.ends_with("," + read.failure->status + ",,,")) << row;
+  EXPECT_EQ(std::count(row.begin(), row.end(), ','), std::count(header.begin(), header.end(), ','));
 }
 
 TEST(SceneIo, CsvHasOneRowPerRecordAndEqualNumbersOfCells) {

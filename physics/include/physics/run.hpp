@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +17,9 @@ struct RunOptions {
   /// Called with the record the run starts from and with that of every solved step. Unset: nothing is recorded.
   std::function<void(const StepRecord&)> record;
 };
+
+/// A start that is further inside a plane did not get there by rounding [m].
+inline constexpr double inside_a_plane = 1e-6;
 
 /// A largest or smallest value and the step it was met in.
 struct Extreme {
@@ -52,7 +56,8 @@ struct RunSummary {
 };
 
 struct RunResult {
-  StepResult last;       ///< of the last step tried: tells why a failed run ended
+  StepResult last;       ///< of the last step tried
+  std::optional<FailureRecord> failure;  ///< why the run ended, where that step failed
   bool stopped = false;  ///< by `on_step`
   RunSummary summary;
   [[nodiscard]] bool ok() const { return last.ok(); }

@@ -2,6 +2,7 @@
 
 #include <iosfwd>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -53,8 +54,9 @@ class TrajectoryWriter {
   TrajectoryWriter& operator=(TrajectoryWriter&&) noexcept;
 
   void add(const StepRecord& record);
-  /// Completes the file and gives it its name. Throws DescriptionError, on a full disk for example.
-  void commit();
+  /// Completes the file, says in it why the run failed if it did, and gives it its name. Throws DescriptionError, on a full
+  /// disk for example.
+  void commit(const std::optional<FailureRecord>& failure = {});
 
  private:
   struct Impl;

@@ -49,10 +49,19 @@ struct StepRecord {
   Extras extras;
 };
 
+/// Why a run ended early: at a step that could not be solved and has no record.
+struct FailureRecord {
+  int step = 0;        ///< the one after the last record
+  std::string status;  ///< "stalled" and the like, as of a SolverRecord
+  std::string place;   ///< where the solver got stuck, "joint 'knee' (residual 0.02 m/s)"
+  std::string cause;   ///< what the status means for a step, with advice
+};
+
 /// A scene plus its steps. Record 0 is the start.
 struct Trajectory {
   Mechanism mechanism;
   std::vector<StepRecord> steps;
+  std::optional<FailureRecord> failure = {};
 };
 
 }  // namespace physics

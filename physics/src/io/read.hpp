@@ -11,4 +11,7 @@ void read_mechanism(Object& file, Mechanism& mechanism);
 
 std::vector<StepRecord> read_steps(const Json& steps, const Mechanism& mechanism);
 
+/// Of a run with these records.
+FailureRecord read_failure(const Json& json, const std::vector<StepRecord>& steps);
+
 }  // namespace physics::io

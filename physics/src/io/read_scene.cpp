@@ -15,6 +15,8 @@ Trajectory read_document(const io::Document& document, std::string_view file) {
     io::read_mechanism(object, trajectory.mechanism);
     if (const io::Json* steps = object.optional("steps"))
       trajectory.steps = io::read_steps(*steps, trajectory.mechanism);
+    if (const io::Json* failure = object.optional("failure"))
+      trajectory.failure = io::read_failure(*failure, trajectory.steps);
     trajectory.mechanism.extras = object.finish();
     return trajectory;
   } catch (const io::ReadError& error) {

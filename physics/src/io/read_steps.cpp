@@ -88,4 +88,17 @@ std::vector<StepRecord> read_steps(const Json& steps, const Mechanism& mechanism
   return records;
 }
 
+FailureRecord read_failure(const Json& json, const std::vector<StepRecord>& steps) {
+  Object object(json);
+  FailureRecord failure;
+  failure.step = integer(object.required("step"));
+  failure.status = string(object.required("status"));
+  if (const Json* place = object.optional("place")) failure.place = string(*place);
+  if (const Json* cause = object.optional("cause")) failure.cause = string(*cause);
+  object.finish();
+  if (!steps.empty() && failure.step <= steps.back().step)
+    throw ReadError{&json, fmt::format("step {} is not after the last record, {}", failure.step, steps.back().step)};
+  return failure;
+}
+
 }  // namespace physics::io

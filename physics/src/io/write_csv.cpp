@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <array>
+#include <span>
+
 #include "io/write.hpp"
 
 namespace physics::io {
@@ -14,7 +17,11 @@ std::string cell(const std::string& text) {
   return quoted + '"';
 }
 
-void add_names(std::string& row, const std::string& thing, std::initializer_list<const char*> keys) {
+constexpr std::array of_body{"x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz"};
+constexpr std::array of_contact{"distance", "normal_force", "friction_x", "friction_y", "friction_z"};
+constexpr std::array of_joint{"fx", "fy", "fz", "tx", "ty", "tz", "error", "effort"};
+
+void add_names(std::string& row, const std::string& thing, std::span<const char* const> keys) {
   for (const char* key : keys) row += ',' + cell(fmt::format("{}.{}", thing, key));
 }
 
@@ -28,12 +35,9 @@ void add(std::string& row, const Vec3& v) {
 
 std::string csv_header(const Mechanism& mechanism) {
   std::string row = "step,time";
-  for (const Body& body : mechanism.bodies)
-    add_names(row, body.name, {"x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz"});
-  for (const Contact& contact : mechanism.contacts)
-    add_names(row, contact.name, {"distance", "normal_force", "friction_x", "friction_y", "friction_z"});
-  for (const Joint& joint : mechanism.joints)
-    add_names(row, joint.name, {"fx", "fy", "fz", "tx", "ty", "tz", "error", "effort"});
+  for (const Body& body : mechanism.bodies) add_names(row, body.name, of_body);
+  for (const Contact& contact : mechanism.contacts) add_names(row, contact.name, of_contact);
+  for (const Joint& joint : mechanism.joints) add_names(row, joint.name, of_joint);
   return row + ",solver.status,solver.iterations,solver.residual,solver.substeps\n";
 }
 
@@ -52,14 +56,14 @@ std::string csv_row(const StepRecord& record, const Mechanism& mechanism) {
     add(row, contact.normal_force);
     add(row, contact.friction_force);
   }
-  row.append(5 * (mechanism.contacts.size() - record.contacts.size()), ',');
+  row.append(of_contact.size() * (mechanism.contacts.size() - record.contacts.size()), ',');
   for (const JointRecord& joint : record.joints) {
     add(row, joint.force);
     add(row, joint.torque);
     add(row, joint.error);
     joint.effort ? add(row, *joint.effort) : row.push_back(',');
   }
-  row.append(8 * (mechanism.joints.size() - record.joints.size()), ',');
+  row.append(of_joint.size() * (mechanism.joints.size() - record.joints.size()), ',');
   if (const auto& solver = record.solver) {
     fmt::format_to(std::back_inserter(row), ",{},{},{},{}", cell(solver->status), solver->iterations, solver->residual,
                    solver->substeps);
@@ -67,6 +71,14 @@ std::string csv_row(const StepRecord& record, const Mechanism& mechanism) {
     row += ",,,,";
   }
   return row + '\n';
+}
+
+/// A row of the step that failed: it has a status and no state.
+std::string csv_end(const std::optional<FailureRecord>& failure, const Mechanism& mechanism) {
+  if (!failure) return {};
+  const std::size_t empty = 1 + of_body.size() * mechanism.bodies.size() + of_contact.size() * mechanism.contacts.size() +
+                            of_joint.size() * mechanism.joints.size();
+  return fmt::format("{}{},{},,,\n", failure->step, std::string(empty, ','), cell(failure->status));
 }
 
 }  // namespace physics::io

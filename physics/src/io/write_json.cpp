@@ -251,4 +251,13 @@ std::string json_step(const StepRecord& record) {
   return "    " + dump(json, [&] { return fmt::format("record {}", record.step); });
 }
 
+std::string json_end(const std::optional<FailureRecord>& failure) {
+  std::string text = "\n  ]";
+  if (failure) {
+    const Json json{{"step", failure->step}, {"status", failure->status}, {"place", failure->place}, {"cause", failure->cause}};
+    text += ",\n  \"failure\": " + dump(json, "failure");
+  }
+  return text + "\n}\n";
+}
+
 }  // namespace physics::io

@@ -29,7 +29,9 @@ class Pieces {
     if (format_ == Format::csv) return io::csv_row(record, mechanism_);
     return (first_ ? (first_ = false, "") : io::json_step_separator) + io::json_step(record);
   }
-  [[nodiscard]] std::string_view end() const { return format_ == Format::json ? io::json_footer : ""; }
+  [[nodiscard]] std::string end(const std::optional<FailureRecord>& failure) const {
+    return format_ == Format::json ? io::json_end(failure) : io::csv_end(failure, mechanism_);
+  }
 
  private:
   Format format_;
@@ -41,7 +43,7 @@ void write(Format format, const Trajectory& trajectory, std::ostream& out) {
   Pieces pieces(format, trajectory.mechanism);
   std::string text = pieces.begin();  // all of it, before the first word is out
   for (const StepRecord& record : trajectory.steps) text += pieces.next(record);
-  out << text << pieces.end();
+  out << text << pieces.end(trajectory.failure);
 }
 
 void write(Format format, const Trajectory& trajectory, const std::string& path) {
@@ -49,7 +51,7 @@ void write(Format format, const Trajectory& trajectory, const std::string& path)
   Pieces pieces(format, trajectory.mechanism);
   file.write(pieces.begin());
   for (const StepRecord& record : trajectory.steps) file.write(pieces.next(record));
-  file.write(pieces.end());
+  file.write(pieces.end(trajectory.failure));
   file.commit();
 }
 
@@ -94,8 +96,8 @@ TrajectoryWriter& TrajectoryWriter::operator=(TrajectoryWriter&&) noexcept = def
 
 void TrajectoryWriter::add(const StepRecord& record) { impl_->file.write(impl_->pieces.next(record)); }
 
-void TrajectoryWriter::commit() {
-  impl_->file.write(impl_->pieces.end());
+void TrajectoryWriter::commit(const std::optional<FailureRecord>& failure) {
+  impl_->file.write(impl_->pieces.end(failure));
   impl_->file.commit();
 }
 

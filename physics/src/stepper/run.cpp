@@ -81,7 +81,13 @@ RunResult run(Simulator& simulator, int steps, const RunOptions& options) {
   while (summary.steps < steps && !result.stopped) {
     result.last = simulator.step();
     count(summary, result.last.status);
-    if (!result.last.ok()) break;
+    if (!result.last.ok()) {
+      result.failure = FailureRecord{.step = simulator.step_index() + 1,
+                                     .status = std::string(graphsolve::name(result.last.status)),
+                                     .place = simulator.failure_place(),
+                                     .cause = std::string(result.last.cause)};
+      break;
+    }
     add(summary, simulator, result.last);
     write_record();
     result.stopped = options.on_step && !options.on_step(simulator, result.last);
