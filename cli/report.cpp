@@ -72,7 +72,7 @@ std::string time_text(const RunSummary& s) {
 }
 
 /// Does a contact of the scene begin inside its plane, by more than rounding?
-bool starts_inside(const RunSummary& s) { return s.distance.step == 0 && s.distance.value < -1e-6; }
+bool starts_inside(const RunSummary& s) { return s.distance.step == 0 && s.distance.value < -physics::inside_a_plane; }
 
 /// Nothing but motors and loads can add energy. The integrator does where bodies turn by a large part of a turn in a step.
 std::string energy_text(const RunSummary& s, const physics::Mechanism& scene) {

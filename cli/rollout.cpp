@@ -16,6 +16,7 @@
 #include "progress.hpp"
 #include "rollout_plan.hpp"
 #include "rollout_summary.hpp"
+#include "scene_source.hpp"
 
 namespace cli {
 
@@ -72,7 +73,7 @@ void add_options(CLI::App& command, RolloutOptions& options) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   add("Work", "--seed", options.seed, "S", "Of the random numbers")->check(seed())->capture_default_str();
-  add("Work", "--tolerance", options.tolerance, "T", "Residual at which a step is accepted [m/s]")
+  add("Work", "--tolerance", options.tolerance, "T", "Residual at which a step is accepted [m/s], at most |g| dt / 100")
       ->check(positive())
       ->capture_default_str();
   add("Machine", "--threads", options.threads, "T", "Threads of this process")->check(whole_number(1, most_threads))->capture_default_str();
@@ -118,7 +119,7 @@ Part run_shard(const RolloutOptions& options, const RolloutRequest& request, con
   run.on_result = [&](physics::CopyResult&& result) {
     if (file) file->add(rollout_record(request, result));
     part.tally.add({result.copy, result.steps, std::string(graphsolve::name(result.last.status)), result.place,
-                    result.start_correction});
+                    result.start_correction, start_inside_text(request.mechanism, result)});
     part.steps_now += result.steps;
     ++due;
     progress.update(static_cast<int>(due - first));
@@ -148,6 +149,7 @@ int rollout_here(const RolloutOptions& options, const Processes& processes) {
   if (!plan) return wrong_input;
   const auto& [request, shard, in_parts, finished] = *plan;
   const bool many = processes.count() > 1, first = processes.rank() == 0;
+  if (first) (void)tolerance_used(request.tolerance, request.mechanism);
   catch_interrupts();
   const auto begin = std::chrono::steady_clock::now();
   Part part;
@@ -182,7 +184,9 @@ int merge(const RolloutOptions& options) {
       throw DescriptionError(fmt::format("--merge takes files of shards and --out, no {}", name));
   check_outputs({{"--out", options.out}}, options.merge);
   const Tally tally = merge_rollouts(options.merge, options.out);
-  fmt::print("{:<22} {} copies: {}\n{:<22} {}\n", "merged", tally.copies, statuses_text(tally), "file", options.out);
+  fmt::print("{:<22} {} copies: {}\n", "merged", tally.copies, statuses_text(tally));
+  if (const std::string inside = inside_text(tally); !inside.empty()) fmt::print("{:<22} {}\n", "starts inside", inside);
+  fmt::print("{:<22} {}\n", "file", options.out);
   print_failures(tally);
   return tally.failed() > 0 ? step_failed : all_solved;
 }

@@ -72,6 +72,12 @@ std::string rollout_record(const RolloutRequest& request, const physics::CopyRes
   json["steps"] = r.steps;
   if (!r.ok()) json["place"] = r.place;
   json["start_correction_m_per_s"] = r.start_correction;
+  if (r.start_contact >= 0) {
+    const physics::Contact& contact = request.mechanism.contacts[r.start_contact];
+    json["start_inside"] = {{"body", request.mechanism.bodies[contact.body.index].name},
+                            {"contact", contact.name},
+                            {"depth_m", r.start_depth}};
+  }
   json["iterations"] = r.iterations;
   json["most_iterations"] = r.most_iterations;
   json["substepped_steps"] = r.substepped_steps;
@@ -93,10 +99,22 @@ std::string rollout_record(const RolloutRequest& request, const physics::CopyRes
   return json.dump();
 }
 
+std::string start_inside_text(const std::string& body, const std::string& contact, double depth) {
+  return fmt::format("body '{}' by {:.3g} m at contact '{}'", body, depth, contact);
+}
+
+std::string start_inside_text(const physics::Mechanism& scene, const physics::CopyResult& result) {
+  if (result.start_contact < 0) return {};
+  const physics::Contact& contact = scene.contacts[result.start_contact];
+  return start_inside_text(scene.bodies[contact.body.index].name, contact.name, result.start_depth);
+}
+
 void Tally::add(const Outcome& outcome) {
   ++copies;
   steps += outcome.steps;
   start_correction = std::max(start_correction, outcome.start_correction);
+  if (!outcome.start_inside.empty() && inside++ == 0)
+    first_inside = fmt::format("copy {}: {}", outcome.copy, outcome.start_inside);
   ++statuses[outcome.status];
   if (outcome.status != "solved" && failures.size() < most_failures_named)
     failures.push_back(fmt::format("copy {}: step {} failed, {} at {}", outcome.copy, outcome.steps + 1, outcome.status,

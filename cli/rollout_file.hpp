@@ -39,12 +39,15 @@ struct Tally {
     int steps;
     std::string status, place;
     double start_correction;  ///< [m/s]
+    std::string start_inside;  ///< what begins inside a plane, and how deep; empty: nothing
   };
   void add(const Outcome& outcome);
   [[nodiscard]] long long failed() const;
 
   long long copies = 0, steps = 0;
   double start_correction = 0;  ///< largest [m/s]
+  long long inside = 0;         ///< copies that begin inside a plane
+  std::string first_inside;     ///< the first of them
   std::map<std::string, long long> statuses;  ///< of the last step of each copy
   std::vector<std::string> failures;          ///< sentences, the first few
 };
@@ -52,6 +55,9 @@ inline constexpr std::size_t most_failures_named = 10;
 
 /// The header line without its end.
 std::string rollout_header(const RolloutRequest& request, const Shard& shard);
+/// What a copy that begins inside a plane is told by.
+std::string start_inside_text(const std::string& body, const std::string& contact, double depth);
+std::string start_inside_text(const physics::Mechanism& scene, const physics::CopyResult& result);  ///< empty: it does not
 /// A record's line without its end.
 std::string rollout_record(const RolloutRequest& request, const physics::CopyResult& result);
 

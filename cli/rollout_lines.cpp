@@ -37,9 +37,13 @@ long long read_records(Lines& lines, long long first, const std::string& path, T
       throw DescriptionError(fmt::format("{}:{}: is not the record of copy {}", path, copy - first + 2, copy));
     const std::string where = fmt::format("{}:{}", path, copy - first + 2);
     const Json record = parse(line, where);
+    std::string start_inside;
+    if (const auto inside = record.find("start_inside"); inside != record.end())
+      start_inside = start_inside_text(get<std::string>(*inside, "body", where), get<std::string>(*inside, "contact", where),
+                                       get<double>(*inside, "depth_m", where));
     tally.add({copy, get<int>(record, "steps", where), get<std::string>(record, "status", where),
                record.contains("place") ? get<std::string>(record, "place", where) : "",
-               get<double>(record, "start_correction_m_per_s", where)});
+               get<double>(record, "start_correction_m_per_s", where), start_inside});
   }
 }
 

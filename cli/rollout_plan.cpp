@@ -46,6 +46,7 @@ RolloutRequest make_request(const RolloutOptions& options) {
       if (request.variations[i].key == v.key) throw DescriptionError(fmt::format("vary '{}' is given twice", v.key));
     physics::check_variation(request.mechanism, v);
   }
+  physics::check_start(request.mechanism, request.variations, physics::draw(request.variations, request.seed, 0));
   return request;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <iterator>
@@ -31,12 +32,17 @@ std::vector<std::string> gather_failures(const Processes& processes, const std::
   return first;
 }
 
+std::string first_of(const std::vector<std::string>& texts) {
+  const auto found = std::ranges::find_if(texts, [](const std::string& text) { return !text.empty(); });
+  return found == texts.end() ? std::string() : *found;
+}
+
 }  // namespace
 
 void sum(const Processes& processes, Part& part) {
   std::vector<long long> values{part.tally.copies,  part.tally.steps, part.steps_now,
                                 part.copies_before, part.complete,    part.signal == SIGINT,
-                                part.signal == SIGTERM};
+                                part.signal == SIGTERM, part.tally.inside};
   const std::size_t counted = values.size();
   for (const Status status : statuses) values.push_back(part.tally.statuses[std::string(name(status))]);
   processes.sum(values);
@@ -46,9 +52,11 @@ void sum(const Processes& processes, Part& part) {
   part.copies_before = values[3];
   part.complete = values[4] == processes.count();
   part.signal = values[6] > 0 ? SIGTERM : values[5] > 0 ? SIGINT : 0;
+  part.tally.inside = values[7];
   for (std::size_t i = 0; i < std::size(statuses); ++i)
     part.tally.statuses[std::string(name(statuses[i]))] = values[counted + i];
   part.tally.start_correction = processes.largest(part.tally.start_correction);
+  part.tally.first_inside = first_of(processes.gather(part.tally.first_inside));
   part.tally.failures = gather_failures(processes, part.tally.failures);
 }
 
@@ -70,6 +78,13 @@ std::string statuses_text(const Tally& tally) {
   return parts.empty() ? "none" : fmt::format("{}", fmt::join(parts, ", "));
 }
 
+std::string inside_text(const Tally& tally) {
+  if (tally.inside == 0) return {};
+  return fmt::format("{} a plane, which the first step has to undo; the first is {}",
+                     tally.inside == 1 ? "1 copy begins inside" : fmt::format("{} copies begin inside", tally.inside),
+                     tally.first_inside);
+}
+
 void print_summary(const Summary& s) {
   const auto line = [](const char* name, const std::string& text) { fmt::print("{:<22} {}\n", name, text); };
   line("rollout", fmt::format("{}: {} copies of {} steps{}", s.request.scene, s.request.copies, s.request.steps,
@@ -77,6 +92,7 @@ void print_summary(const Summary& s) {
   line("outcomes", statuses_text(s.part.tally));
   if (s.part.tally.start_correction > s.request.tolerance)  // not what rounding leaves
     line("start correction", fmt::format("up to {:.3g} m/s, to agree with the joints", s.part.tally.start_correction));
+  if (const std::string inside = inside_text(s.part.tally); !inside.empty()) line("starts inside", inside);
   const long long due = s.shard.last(s.request.copies) - s.shard.first(s.request.copies) - s.part.tally.copies;
   if (due > 0) line("not done yet", fmt::format("{} copies", due));
   if (s.part.copies_before) line("done before", fmt::format("{} copies", s.part.copies_before));

@@ -26,6 +26,9 @@ void print_failures(const Tally& tally);
 /// "17 solved, 3 stalled"
 std::string statuses_text(const Tally& tally);
 
+/// Where copies begin inside a plane: how many, and the first; else empty.
+std::string inside_text(const Tally& tally);
+
 struct Summary {
   const RolloutRequest& request;
   const Part& part;

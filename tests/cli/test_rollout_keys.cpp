@@ -97,4 +97,67 @@ TEST_F(Rollout, KeysThatMakeNoSenseAreRefusedBeforeAnyCopy) {
   EXPECT_FALSE(fs::exists(path("a.jsonl")));
 }
 
+TEST_F(Rollout, StartPositionsThatOpenAJointAreRefusedBeforeAnyCopy) {
+  const auto refused = [&](const std::string& arguments) {
+    return Program::refused("rollout " + arguments + " --copies 99 --steps 3 --out a.jsonl");
+  };
+  EXPECT_EQ(refused("snake:n=3 --vary friction=0.1:0.2 --vary 'start.link 1.position.z=5:5'"),
+            "graphsolve: vary 'start.link 1.position.z': joint 'joint 0' holds body 'link 1' at body 'link 0', and their points "
+            "would start 4.94 m apart: vary start.joint 0.angle.x, .y or .z\n");
+  EXPECT_EQ(refused("pendulum:n=2,joint=revolute --vary start.position.y=0.5:0.5"),
+            "graphsolve: vary 'start.position.y': joint 'joint 0' holds body 'link 0' at the world, and their points would start "
+            "0.5 m apart: vary start.joint 0.angle\n");
+  physics::Mechanism open = physics::built_in_scene("pendulum:n=2");
+  open.bodies[1].position.y() += 0.25;
+  physics::write_scene_json(open, path("open.json"));
+  EXPECT_EQ(refused("open.json"), "graphsolve: joint 'joint 1': its points start 0.25 m apart\n");
+  // What stays together: all of it, or each by as much, in any order.
+  EXPECT_EQ(run("snake:n=3 --copies 3 --steps 1 --vary start.position.z=1:2"), 0) << err_;
+  physics::Mechanism snake = physics::built_in_scene("snake:n=2");
+  std::string both;
+  for (const physics::Body& link : snake.bodies) {
+    const std::string y = std::to_string(link.position.y() + 1);
+    both += " --vary 'start." + link.name + ".position.y=" + y + ":" + y + "'";
+  }
+  EXPECT_EQ(run("snake:n=2 --copies 3 --steps 1" + both), 0) << err_;
+}
+
+TEST_F(Rollout, CopiesThatStartInsideAPlaneAreCountedAndTheFirstIsNamed) {
+  // A sphere of 0.1 m on its plane when z is 0.1.
+  write("ball.toml", "format = \"graphsolve-scene\"\nversion = 1\ntime_step = 0.01\n[[bodies]]\nname = \"ball\"\nmass = 1\n"
+                     "shape = {type = \"sphere\", radius = 0.1}\nposition = [0, 0, 0.1]\n"
+                     "[[contacts]]\nname = \"skin\"\nbody = \"ball\"\nradius = 0.1\n"
+                     "[[contacts]]\nname = \"roof\"\nbody = \"ball\"\nradius = 0.1\nnormal = [0, 0, -1]\n"
+                     "plane_point = [0, 0, 9]\n");
+  const std::string command = "ball.toml --copies 40 --steps 2 --seed 3 --vary start.ball.position.z=0.0:0.2 --out ";
+  ASSERT_EQ(run(command + "a.jsonl"), 0) << err_;
+  int inside = 0;
+  std::string first;
+  const auto records = lines("a.jsonl");
+  for (std::size_t i = 1; i < records.size(); ++i) {
+    const double depth = 0.1 - records[i]["vary"]["start.ball.position.z"].get<double>();
+    ASSERT_EQ(records[i].contains("start_inside"), depth > 1e-6) << i;
+    if (depth <= 1e-6) continue;
+    EXPECT_EQ(records[i]["start_inside"]["body"], "ball");
+    EXPECT_EQ(records[i]["start_inside"]["contact"], "skin");
+    EXPECT_NEAR(records[i]["start_inside"]["depth_m"].get<double>(), depth, 1e-15);
+    char text[100];
+    std::snprintf(text, sizeof text, "copy %zu: body 'ball' by %.3g m at contact 'skin'\n", i - 1, depth);
+    if (inside++ == 0) first = text;
+  }
+  ASSERT_GT(inside, 5);
+  const std::string sentence = "starts inside          " + std::to_string(inside) +
+                               " copies begin inside a plane, which the first step has to undo; the first is " + first;
+  const auto said = [&] { return out_.find(sentence) != std::string::npos; };
+  EXPECT_TRUE(said()) << out_;
+  ASSERT_EQ(run(command + "a.jsonl"), 0) << "read from the file";
+  EXPECT_TRUE(said()) << out_;
+  for (const char* shard : {"0", "1"}) ASSERT_EQ(run(command + "part" + shard + " --shard " + shard + "/2"), 0) << err_;
+  ASSERT_EQ(run("--merge part1 part0 --out merged"), 0) << err_;
+  EXPECT_TRUE(said()) << out_;
+  EXPECT_EQ(text("merged"), text("a.jsonl"));
+  ASSERT_EQ(run("ball.toml --copies 3 --steps 2"), 0) << "it only touches";
+  EXPECT_EQ(out_.find("starts inside"), std::string::npos) << out_;
+}
+
 }  // namespace

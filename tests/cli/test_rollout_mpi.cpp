@@ -94,6 +94,20 @@ TEST_F(RolloutMpi, FailuresAreNamedAsByOneProcess) {
   EXPECT_EQ(times_said(": step 5 failed, "), 10) << err_;
 }
 
+TEST_F(RolloutMpi, WhatIsSaidOfCopiesIsSaidOnceForAll) {
+  const std::string command = "disc:height=0 --copies 17 --steps 2 --tolerance 1 --vary start.position.z=-0.02:0.02";
+  ASSERT_EQ(run(command), 0) << err_;
+  const auto line = [&] {
+    const auto begin = out_.find("starts inside ");
+    return begin == std::string::npos ? std::string() : out_.substr(begin, out_.find('\n', begin) - begin);
+  };
+  const std::string expected = line();
+  EXPECT_NE(expected.find(" copies begin inside a plane"), std::string::npos) << out_;
+  ASSERT_EQ(mpirun(command), 0) << err_;
+  EXPECT_EQ(line(), expected);
+  EXPECT_EQ(times_said("graphsolve: note: a tolerance of 1 m/s"), 1) << err_;
+}
+
 TEST_F(RolloutMpi, StoppedItNamesThePartsAndWhatIsLeftAndGoesOn) {
   const std::string long_work = "disc:c=8 --copies 1500 --steps 60 --vary friction=0.1:0.9 --out cut.jsonl";
   // Each process is stopped when one of the files has some records.

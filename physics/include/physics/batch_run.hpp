@@ -19,6 +19,8 @@ struct CopyResult {
   int most_iterations = 0;                       ///< in one step
   int substepped_steps = 0, restarted_steps = 0, turned_steps = 0;  ///< as in RunSummary
   double start_correction = 0;   ///< that made the start velocities agree with the joints [m/s]; 0 when they did
+  int start_contact = -1;        ///< the one that starts deepest inside its plane; -1: none does by more than rounding
+  double start_depth = 0;        ///< of that contact [m]
   double residual = 0;           ///< largest [m/s]
   double smallest_distance = 0;  ///< over all contacts and states, start included [m]; +inf without contacts
   double joint_error = 0;        ///< at the end [m, rad]

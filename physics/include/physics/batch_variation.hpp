@@ -53,8 +53,12 @@ double uniform(std::uint64_t seed, long long copy, std::string_view key);
 std::vector<double> draw(std::span<const Variation> variations, std::uint64_t seed, long long copy);
 
 /// Throws DescriptionError, naming the bound, when the scene has no such number, or is no valid scene with the lowest or
-/// the highest value. (What start positions leave open is found when a Simulator takes the scene.)
+/// the highest value. (What start positions leave open depends on all of them: check_start.)
 void check_variation(const Mechanism& mechanism, const Variation& variation);
+
+/// With these values set in turn, do joints still hold together? Throws DescriptionError that names the joint, and the key
+/// that opened it. Bodies that start.BODY.position moves have to be free to go there.
+void check_start(const Mechanism& mechanism, std::span<const Variation> variations, std::span<const double> values);
 
 /// Sets the number that the key names. Throws DescriptionError when the scene has no such thing.
 void set_value(Mechanism& mechanism, std::string_view key, double value);

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "batch/parallel_for.hpp"
+#include "physics/run.hpp"
 
 namespace physics {
 
@@ -101,6 +102,14 @@ class Worker {
     result.start_correction = batch_.start_correction(lane);
     result.energy_start = batch_.energy(lane);
     result.smallest_distance = batch_.smallest_distance(lane);
+    if (result.smallest_distance < -inside_a_plane) name_deepest(lane, result);
+  }
+  void name_deepest(int lane, CopyResult& result) const {
+    StepRecord record;
+    batch_.write_record(lane, record);
+    const auto deepest = std::ranges::min_element(record.contacts, {}, &ContactRecord::distance);
+    result.start_contact = static_cast<int>(deepest - record.contacts.begin());
+    result.start_depth = -deepest->distance;
   }
   void take(int lane) {
     CopyResult& result = *results_[lane];

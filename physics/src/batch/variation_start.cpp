@@ -1,8 +1,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "mechanism/start_pose.hpp"
 #include "batch/variation_keys.hpp"
+#include "mechanism/start_pose.hpp"
+#include "physics/batch_variation.hpp"
 
 /// Keys of what a scene starts with.
 namespace physics {
@@ -123,6 +124,44 @@ bool set_body_start(Mechanism& mechanism, std::string_view key, std::string_view
 }
 
 }  // namespace
+
+namespace {
+
+/// What moves it and opens nothing.
+std::string own_key_of(const Joint& joint) {
+  switch (joint.type) {
+    case JointType::fixed: break;
+    case JointType::revolute: return fmt::format(": vary start.{}.angle", joint.name);
+    case JointType::prismatic: return fmt::format(": vary start.{}.travel", joint.name);
+    case JointType::spherical: return fmt::format(": vary start.{}.angle.x, .y or .z", joint.name);
+  }
+  return {};
+}
+
+}  // namespace
+
+void check_start(const Mechanism& mechanism, std::span<const Variation> variations, std::span<const double> values) {
+  constexpr int nobody = -1;
+  Mechanism copy = mechanism;
+  std::vector<int> opened(copy.joints.size(), nobody);
+  const auto is_open = [&](std::size_t j) { return start_gap(copy, copy.joints[j]) > largest_start_error; };
+  for (std::size_t j = 0; j < copy.joints.size(); ++j)
+    if (is_open(j))
+      throw DescriptionError(fmt::format("joint '{}': its points start {:.3g} m apart", copy.joints[j].name,
+                                         start_gap(copy, copy.joints[j])));
+  for (std::size_t i = 0; i < variations.size(); ++i) {
+    set_value(copy, variations[i].key, values[i]);
+    for (std::size_t j = 0; j < copy.joints.size(); ++j)
+      opened[j] = !is_open(j) ? nobody : opened[j] == nobody ? static_cast<int>(i) : opened[j];
+  }
+  for (std::size_t j = 0; j < copy.joints.size(); ++j) {
+    if (opened[j] == nobody) continue;
+    const Joint& joint = copy.joints[j];
+    const auto name = [&](BodyId id) { return id.is_world() ? "the world" : fmt::format("body '{}'", copy.bodies[id.index].name); };
+    wrong_key(variations[opened[j]].key, "joint '{}' holds {} at {}, and their points would start {:.3g} m apart{}",
+              joint.name, name(joint.child), name(joint.parent), start_gap(copy, joint), own_key_of(joint));
+  }
+}
 
 void set_start(Mechanism& mechanism, std::string_view key, double value) {
   std::string_view rest = key.substr(std::string_view("start.").size());

@@ -10,6 +10,19 @@ RigidMotion start_motion(const Mechanism& mechanism, BodyId body) {
   return {b.position, b.velocity, b.orientation * b.angular_velocity};
 }
 
+double start_gap(const Mechanism& mechanism, const Joint& joint) {
+  const auto point = [&](BodyId id, const Vec3& local) {
+    if (id.is_world()) return local;
+    const Body& body = mechanism.bodies[id.index];
+    return Vec3(body.position + body.orientation * local);
+  };
+  Vec3 gap = point(joint.child, joint.child_point) - point(joint.parent, joint.parent_point);
+  if (joint.type != JointType::prismatic) return gap.norm();
+  Vec3 axis = joint.axis.normalized();
+  if (!joint.parent.is_world()) axis = mechanism.bodies[joint.parent.index].orientation * axis;
+  return (gap - axis * axis.dot(gap)).norm();
+}
+
 bool Side::has(BodyId body) const {
   return body.is_world() ? held : std::find(bodies.begin(), bodies.end(), body.index) != bodies.end();
 }

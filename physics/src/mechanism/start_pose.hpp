@@ -24,6 +24,11 @@ struct Side {
 };
 Side side_of(const Mechanism& mechanism, BodyId body, int without_joint);
 
+/// How far apart the points of a joint start, but for the travel of a prismatic one [m].
+double start_gap(const Mechanism& mechanism, const Joint& joint);
+/// A start that is further open is a wrong description [m, rad].
+inline constexpr double largest_start_error = 1e-5;
+
 /// A turn about a point, then a shift, in the world.
 struct Displacement {
   Quat turn = Quat::Identity();

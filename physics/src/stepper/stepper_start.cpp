@@ -1,14 +1,13 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "mechanism/start_pose.hpp"
 #include "stepper/stepper.hpp"
 
 /// A lane before its first step, and whether a scene fits into it.
 namespace physics {
 
 namespace {
-
-constexpr double largest_start_error = 1e-5;  ///< [m, rad] a start that is further open is a wrong description
 
 [[noreturn]] void misfit(const std::string& scene, const std::string& what) {
   throw DescriptionError(fmt::format("scene '{}' does not fit those beside it: {}", scene, what));
@@ -53,8 +52,7 @@ void Stepper::start(int lane, Assembly& assembly) {
   for (const Body& body : l.mechanism.bodies)
     records.push_back({body.position, body.orientation, body.velocity, body.angular_velocity});
   set_state(lane, records, l.mechanism.start == Start::half_kick);
-  l.step_index = 0;
-  l.time = 0;
+  l.set_time(0, 0);
   l.last = {};
   check_start(lane);
 }
