@@ -22,13 +22,15 @@ namespace {
 
 struct Options {
   std::string matrix, right, blocks, ordering = "minimum-fill", factorization = "auto", out;
-  bool accept_singular = false;
+  bool accept_singular = false, transposed = false;
+  [[nodiscard]] System system() const { return transposed ? System::transposed : System::plain; }
 };
 
 constexpr const char* footer = R"(Examples:
   graphsolve solve A.mtx                        b = A * ones: how near to ones is x?
   graphsolve solve A.mtx b.mtx --out x.mtx      b may have several columns
   graphsolve solve A.mtx --blocks map.json --factorization ldlt
+  graphsolve solve A.mtx b.mtx --transposed     A^T x = b, with the factors of A
 
 With 'auto' a symmetric matrix of positive diagonal is tried by cholesky, then ldlt, then ldu; other symmetric ones by
 ldlt, then ldu; the rest by ldu. What leaves a normwise backward error above 1e-12 is followed by the next, at last by
@@ -53,7 +55,8 @@ std::optional<FactorizationKind> parse_kind(const std::string& text) {
 io::DenseMatrix right_hand_side(const Options& options, const SparseMatrix& matrix) {
   io::DenseMatrix b{matrix.rows, 1, std::vector<double>(static_cast<std::size_t>(matrix.rows))};
   if (options.right.empty()) {
-    multiply(matrix, std::vector<double>(static_cast<std::size_t>(matrix.columns), 1.0), b.value);
+    const std::vector<double> ones(static_cast<std::size_t>(matrix.columns), 1.0);
+    multiply(options.transposed ? transpose(matrix) : matrix, ones, b.value);
     return b;
   }
   translate_errors(options.right, [&] { b = io::read_dense_matrix_market(options.right); });
@@ -106,7 +109,9 @@ std::string attempts_text(const SolveResult& result) {
 }
 
 int solve(const Options& options) {
-  const SolveRequest wanted{parse_method(options.ordering), parse_kind(options.factorization)};
+  const SolveRequest wanted{.ordering = parse_method(options.ordering),
+                            .kind = parse_kind(options.factorization),
+                            .system = options.system()};
   check_outputs({{"--out", options.out}}, {options.matrix, options.right, options.blocks});
   const MatrixSource source = load_matrix(options.matrix, options.blocks);
   const io::DenseMatrix b = right_hand_side(options, source.file.matrix);
@@ -115,9 +120,10 @@ int solve(const Options& options) {
   SolveRequest request = wanted;
   request.columns = b.columns;
   const SolveResult result = solve_system(source, b.value, request);
-  std::string text = fmt::format("{}: {}\nordering {}, fill ratio {:.2f}, {}\n\n", options.matrix,
+  std::string text = fmt::format("{}: {}\nordering {}, fill ratio {:.2f}, {}{}\n\n", options.matrix,
                                  describe(source, options.blocks), name(request.ordering), result.fill_ratio,
-                                 count(b.columns, "right-hand side", "right-hand sides"));
+                                 count(b.columns, "right-hand side", "right-hand sides"),
+                                 options.transposed ? " of A^T x = b" : "");
   text += attempts_text(result);
   if (options.right.empty() && std::isfinite(result.attempts.back().error.normwise)) {
     double error = 0;
@@ -137,7 +143,9 @@ int solve(const Options& options) {
   }
   std::vector<FileText> files;
   if (!options.out.empty())
-    files.push_back({options.out, io::matrix_market(result.x, source.file.matrix.rows, "x of A x = b, A = " + options.matrix)});
+    files.push_back({options.out, io::matrix_market(result.x, source.file.matrix.rows,
+                                                    fmt::format("x of {} x = b, A = {}", options.transposed ? "A^T" : "A",
+                                                                options.matrix))});
   write_and_print(files, text);
   if (!options.out.empty()) fmt::print("written: {}\n", options.out);
   if (result.singular) complain();
@@ -150,7 +158,7 @@ Command add_solve(CLI::App& program) {
   CLI::App* command = program.add_subcommand("solve", "Solve a sparse linear system; report how well.");
   const auto options = std::make_shared<Options>();
   command->add_option("A.mtx", options->matrix, "The matrix, a Matrix Market file")->required()->type_name("");
-  command->add_option("b.mtx", options->right, "Right-hand sides (default: A * ones)")->type_name("");
+  command->add_option("b.mtx", options->right, "Right-hand sides (default: A * ones; of A^T, A^T * ones)")->type_name("");
   const auto add = [&](const char* name, std::string& value, const char* type, const char* help) {
     return command->add_option(name, value, help)->type_name(type);
   };
@@ -158,6 +166,7 @@ Command add_solve(CLI::App& program) {
   add("--ordering", options->ordering, "NAME", "minimum-fill, best, amd, ... (see 'graphsolve analyze')")->capture_default_str();
   add("--factorization", options->factorization, "KIND", "auto, ldu, ldlt or cholesky")->capture_default_str();
   add("--out", options->out, "FILE", "The solution, a Matrix Market file; written when solved")->check(file_name());
+  command->add_flag("--transposed", options->transposed, "Solve A^T x = b; errors are those of A^T, inertia and what is singular are of A");
   command->add_flag("--accept-singular", options->accept_singular, "Of a singular system that has solutions, take one");
   command->footer(footer);
   return [options] { return solve(*options); };

@@ -45,8 +45,10 @@ std::vector<FactorizationKind> ladder(const MatrixSource& source, const SolveReq
 /// Everything one run works on.
 struct Run {
   const MatrixSource& source;
+  const SparseMatrix& of_system;  ///< A or A^T: what solutions are judged by
   std::span<const double> b;
   int columns;
+  System system;
   SolveResult& result;
   [[nodiscard]] std::size_t rows() const { return static_cast<std::size_t>(source.file.matrix.rows); }
   [[nodiscard]] std::span<const double> column_of_b(int c) const { return b.subspan(c * rows(), rows()); }
@@ -55,7 +57,7 @@ struct Run {
 
 void judge(const Run& run, Attempt& attempt) {
   for (int c = 0; c < run.columns; ++c) {
-    const BackwardError error = backward_error(run.source.file.matrix, run.column_of_b(c), run.column_of_x(c));
+    const BackwardError error = backward_error(run.of_system, run.column_of_b(c), run.column_of_x(c));
     // The worst of all; NaN stays.
     keep_largest(attempt.error.normwise, error.normwise);
     keep_largest(attempt.error.componentwise, error.componentwise);
@@ -174,6 +176,17 @@ std::string bad_pivot(const Run& run, const Symbolic& symbolic, int pivot) {
                      neighbours.empty() ? "without neighbours" : "neighbours " + neighbours);
 }
 
+/// Returns the sweeps of refinement.
+int solve_refined(System system, Factorization& factor, std::span<const double> right, std::vector<double>& solution) {
+  constexpr int most = 10;
+  if (system == System::plain) {
+    factor.solve(solution);
+    return factor.refine(right, solution, most).sweeps;
+  }
+  factor.solve_transposed(solution);
+  return factor.refine_transposed(right, solution, most).sweeps;
+}
+
 bool try_graph(const Run& run, const std::shared_ptr<const Symbolic>& symbolic, FactorizationKind kind) {
   Attempt attempt{.method = name_of(kind), .trouble = {}, .outcome = {}, .error = {}};
   const double start = cpu_seconds();
@@ -195,8 +208,7 @@ bool try_graph(const Run& run, const std::shared_ptr<const Symbolic>& symbolic, 
     for (int c = 0; c < run.columns; ++c) {
       run.source.blocks.to_graph(run.column_of_b(c), right);
       solution = right;
-      factor.solve(solution);
-      attempt.sweeps = std::max(attempt.sweeps, factor.refine(right, solution, 10).sweeps);
+      attempt.sweeps = std::max(attempt.sweeps, solve_refined(run.system, factor, right, solution));
       run.source.blocks.to_matrix(solution, run.column_of_x(c));
     }
     attempt.solve_seconds = cpu_seconds() - factored;
@@ -223,7 +235,9 @@ bool try_robust(const Run& run, OrderingMethod ordering) {
   std::vector<double> right(run.b.size()), solution(run.b.size());
   for (int c = 0; c < run.columns; ++c)
     run.source.blocks.to_graph(run.column_of_b(c), std::span(right).subspan(c * run.rows(), run.rows()));
-  const RobustSolver::Report report = solver.solve(right, solution, run.columns);  // of the worst
+  const RobustSolver::Report report = run.system == System::plain  // of the worst
+                                          ? solver.solve(right, solution, run.columns)
+                                          : solver.solve_transposed(right, solution, run.columns);
   attempt.method = fmt::format("robust: {}", name(report.rung));
   attempt.reason = report.why;
   if (run.columns > 1 && !report.why.empty()) attempt.reason = fmt::format("right-hand side {}: {}", report.column + 1, report.why);
@@ -251,7 +265,9 @@ bool try_robust(const Run& run, OrderingMethod ordering) {
 SolveResult solve_system(const MatrixSource& source, std::span<const double> b, const SolveRequest& request) {
   SolveResult result;
   result.x.assign(b.size(), 0.0);
-  const Run run{source, b, request.columns, result};
+  const bool transposed = request.system == System::transposed;
+  const SparseMatrix turned = transposed ? transpose(source.file.matrix) : SparseMatrix();
+  const Run run{source, transposed ? turned : source.file.matrix, b, request.columns, request.system, result};
   const BlockGraph& graph = source.blocks.graph;
   const auto symbolic = std::make_shared<const Symbolic>(graph, make_ordering(graph, request.ordering));
   result.fill_ratio = io::fill_ratio(*symbolic);

@@ -10,10 +10,14 @@
 /// What `solve` does with a matrix: a chain of factorizations, each tried when the one before was not good enough.
 namespace cli {
 
+/// A x = b, or A^T x = b with the factors of A.
+enum class System { plain, transposed };
+
 struct SolveRequest {
   graphsolve::OrderingMethod ordering = graphsolve::OrderingMethod::minimum_fill;
   std::optional<graphsolve::FactorizationKind> kind;  ///< none: by the matrix
   int columns = 1;                                    ///< of the right-hand side
+  System system = System::plain;
 };
 
 /// One factorization that was tried.

@@ -151,6 +151,65 @@ TEST_F(SolveCommand, WhatCholeskyCannotDoLdltDoesAndBothAreReported) {
   EXPECT_NE(outcome.out.find("1 1 0"), std::string::npos) << outcome.out;
 }
 
+/// A ring that leans: neighbours differ, and blocks of one row.
+std::vector<Triplet> leaning_ring(int n) {
+  std::vector<Triplet> t;
+  for (int i = 0; i < n; ++i) {
+    const int next = (i + 1) % n;
+    t.insert(t.end(), {{i, i, 4.0 + 0.1 * i}, {i, next, -1.5}, {next, i, 0.25 * i}});
+  }
+  return t;
+}
+
+TEST_F(SolveCommand, TransposedSolvesWithTheFactorsOfA) {
+  write("a.mtx", 12, leaning_ring(12));
+  const SparseMatrix a = io::read_matrix_market((folder_ / "a.mtx").string()).matrix;
+  std::vector<double> expected(24), b(24);
+  for (std::size_t k = 0; k < 24; ++k) expected[k] = std::sin(1.0 + static_cast<double>(k));
+  for (const std::size_t c : {0u, 1u})
+    graphsolve::multiply(graphsolve::transpose(a), std::span(expected).subspan(12 * c, 12), std::span(b).subspan(12 * c, 12));
+  write("b.mtx", io::matrix_market(b, 12));
+  const Outcome outcome = run("solve a.mtx b.mtx --transposed --out x.mtx");
+  ASSERT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+  EXPECT_NE(outcome.out.find("2 right-hand sides of A^T x = b\n"), std::string::npos) << outcome.out;
+  EXPECT_NE(text("x.mtx").find("x of A^T x = b, A = a.mtx"), std::string::npos);
+  const std::vector<double> x = io::read_dense_matrix_market((folder_ / "x.mtx").string()).value;
+  ASSERT_EQ(x.size(), 24u);
+  for (std::size_t k = 0; k < 24; ++k) EXPECT_NEAR(x[k], expected[k], 1e-14);
+  ASSERT_EQ(run("solve a.mtx b.mtx --out x.mtx").code, 0);
+  EXPECT_GT(std::abs(io::read_dense_matrix_market((folder_ / "x.mtx").string()).value[0] - expected[0]), 1e-3) << "shows nothing";
+  const Outcome ones = run("solve a.mtx --transposed");
+  EXPECT_EQ(ones.code, 0) << ones.err;
+  const auto error = ones.out.find("largest |x - 1|: ");
+  ASSERT_NE(error, std::string::npos) << ones.out;
+  EXPECT_LT(std::stod(ones.out.substr(error + 17)), 1e-14);
+  // Of a symmetric matrix it is the same, by every factorization.
+  write("s.mtx", 6, line(6, Shape::ring));
+  for (const char* kind : {"ldu", "ldlt", "cholesky"})
+    EXPECT_EQ(run(std::string("solve s.mtx --transposed --factorization ") + kind).code, 0) << kind;
+}
+
+TEST_F(SolveCommand, TransposedGoesThroughTheRobustChainAndKnowsSingularMatrices) {
+  write("cycle.mtx", 3, {{0, 1, 1}, {1, 2, 2}, {2, 0, 4}});
+  write("map.json", three_regular_rows);
+  write("b.mtx", io::matrix_market(std::vector<double>{4, 1, 2}, 3));  // A^T of ones
+  const Outcome chain = run("solve cycle.mtx b.mtx --transposed --blocks map.json --out x.mtx");
+  EXPECT_EQ(chain.code, 0) << chain.out << chain.err;
+  EXPECT_NE(chain.out.find("robust: "), std::string::npos) << chain.out;
+  for (const double x : io::read_dense_matrix_market((folder_ / "x.mtx").string()).value) EXPECT_NEAR(x, 1, 1e-15);
+  // The last row is twice, the last column five times the one before: b has to be so too, in A x = b and A^T x = b.
+  write("twice.mtx", 4, {{0, 0, 2}, {1, 1, 3}, {0, 1, 1}, {1, 0, 0.5}, {2, 0, 1}, {0, 2, 1}, {3, 0, 2}, {0, 3, 5}});
+  const Outcome singular = run("solve twice.mtx --transposed");
+  EXPECT_EQ(singular.code, 1) << singular.out;
+  EXPECT_NE(singular.err.find("twice.mtx: the matrix is singular"), std::string::npos) << singular.err;
+  EXPECT_NE(singular.err.find("--accept-singular takes one"), std::string::npos) << singular.err;
+  for (const double factor : {2.0, 5.0}) {
+    write("b.mtx", io::matrix_market(std::vector<double>{1, 2, 3, 3 * factor}, 4));
+    EXPECT_EQ(run("solve twice.mtx b.mtx --accept-singular").code, factor == 2 ? 0 : 1);
+    EXPECT_EQ(run("solve twice.mtx b.mtx --accept-singular --transposed").code, factor == 5 ? 0 : 1);
+  }
+}
+
 TEST_F(SolveCommand, BlocksWronglyCalledRegularAreSolvedByTheRobustChainAloud) {
   write("a.mtx", 3, {{0, 1, 1}, {1, 2, 1}, {2, 0, 1}});
   write("map.json", three_regular_rows);
