@@ -19,6 +19,9 @@ namespace simd {
 struct PivotPack;
 struct Definite;
 struct PackNumbers;
+struct PackJob;
+struct Eliminations;
+struct Solves;
 }  // namespace simd
 
 /// What is known of the matrix, and so how it is factored. All kinds share one Symbolic and one layout.
@@ -244,7 +247,7 @@ class Factorization {
   void note_added(int k, const double* block, int d, int stride = 1);
   [[nodiscard]] std::int64_t updated_scalars(std::int64_t couplings, std::int64_t rows) const;
   std::int64_t update_row_scattered(int k, int i, int from, const double* lower, const double* upper);
-  // Along the program.
+  // Along the program. all: the outcome of whatever takes part, where one is enough.
   [[nodiscard]] bool in_packs() const;
   [[nodiscard]] bool is_packed(int pivot) const;
   void start(std::span<const int> components);
@@ -252,9 +255,12 @@ class Factorization {
   [[nodiscard]] Outcome finish_all();
   void factorize_active(Count count, const Vectors* right = nullptr);
   void leave_out(int component);
-  void eliminate_together(int number, unsigned active, Count count, const simd::PackNumbers& numbers);
+  void eliminate_together(int number, unsigned active, Outcome* all, const simd::PackNumbers& numbers);
+  [[nodiscard]] unsigned eliminate_pack(int number, const simd::PackJob& job) const;
+  void eliminate_lanes(int number, unsigned active, unsigned other, Outcome* all, const simd::PackNumbers& numbers);
+  void note_packed(int number, unsigned lanes);
   void measure_growth(const simd::PivotPack& pack, unsigned active);
-  void count_pack(const simd::PivotPack& pack, unsigned active, Count count);
+  void count_pack(const simd::PivotPack& pack, unsigned active, Outcome* all);
   // refactorize().
   void restore(int k);
   void collect_redone(std::span<const NodeId> changed);
@@ -267,8 +273,8 @@ class Factorization {
   void backward(const Vectors& v, int columns) const;
   [[nodiscard]] Vectors enter(double* x) const;
   void leave(int k, const Vectors& v) const;
-  template <class F, class Alone>
-  void solve_pack(int number, unsigned active, const Vectors& v, F&& f, Alone&& alone) const;
+  template <class Kernels, class Alone>
+  void solve_pack(int number, unsigned active, const Vectors& v, const Kernels& kernels, Alone&& alone) const;
   void solve_forward(int k, double* x, int columns) const;
   void solve_backward(int k, double* x, int columns) const;
   void solve_forward_transposed(int k, double* x) const;
@@ -294,7 +300,10 @@ class Factorization {
 
   std::shared_ptr<const Symbolic> symbolic_;
   FactorizationKind kind_;
-  const kernels::Table* kernels_;     ///< of the instruction set in use when this was made
+  // Of the instruction set in use when this was made: for single blocks, and for packs.
+  const kernels::Table* kernels_;
+  const simd::Eliminations* eliminations_;
+  const simd::Solves* solves_;
   AlignedVector values_, matrix_;
   std::vector<int> row_exchange_;     ///< per row in pivot order: the row that took this place in its block
   std::vector<int> column_exchange_;  ///< same for columns, where the rank is not full; empty where it always is
@@ -331,6 +340,7 @@ class Factorization {
   Outcome total_;
   bool complete_ = false;
   std::vector<std::uint8_t> packed_;    ///< by pack: lanes whose factor was made together
+  std::vector<simd::Definite> definite_;  ///< by pack, of the symmetric kinds
   AlignedVector scratch_;               ///< of packs
   mutable AlignedVector lane_rows_;     ///< the vector that is solved for, interleaved as the packs are
   struct Range {

@@ -67,7 +67,7 @@ void Factorization::residual(std::span<const double> b, std::span<const double> 
       false,
       [&](int number, unsigned lanes) {
         const simd::PivotPack& pack = program.pack(number);
-        simd::subtract_product({.program = program, .pack = pack,
+        solves_->residual[pack.kind]({.program = program, .pack = pack,
                                 .matrix = matrix_.data(), .x = x.data(), .residual = residual_.data(),
                                 .magnitude = magnitude_.data(), .active = lanes});
       },

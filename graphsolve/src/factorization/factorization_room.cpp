@@ -12,7 +12,8 @@
 namespace graphsolve {
 
 Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, FactorizationKind kind)
-    : symbolic_(std::move(symbolic)), kind_(kind), kernels_(&kernels::table()) {
+    : symbolic_(std::move(symbolic)), kind_(kind), kernels_(&kernels::table()),
+      eliminations_(&simd::eliminations()), solves_(&simd::solves()) {
   if (!symbolic_) throw std::invalid_argument("a factorization needs a symbolic one, not a null pointer");
   const Symbolic& s = *symbolic_;
   values_.assign(s.values_size(), 0.0);
@@ -68,8 +69,11 @@ void Factorization::make_room_for_packs() {
   packed_.assign(program.packs(), 0);
   if (s.packs() == Packs::on) lane_rows_.assign(program.lane_rows(), 0.0);
   if (program.packs() == 0) return;
-  (void)simd::instruction_set();  // chosen before the first kernel runs
   scratch_.assign(program.scratch_size(), 0.0);
+  if (symmetric()) {
+    definite_.reserve(program.packs());
+    for (int i = 0; i < program.packs(); ++i) definite_.push_back(definite(program.pack(i).pivot[0]));
+  }
   std::int64_t largest = 0;
   int block = 0;
   for (int k = 0; k < s.pivots(); ++k) {

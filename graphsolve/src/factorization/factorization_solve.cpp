@@ -178,13 +178,13 @@ void Factorization::solve_backward_transposed(int k, double* x) const {
   own.write_back();
 }
 
-/// f(job) for runs of lanes of a pack that were made together, alone(pivot) for those between them.
-template <class F, class Alone>
-void Factorization::solve_pack(int number, unsigned active, const Vectors& v, F&& f, Alone&& alone) const {
+/// The kernel for runs of lanes of a pack that were made together, alone(pivot) for those between them.
+template <class Kernels, class Alone>
+void Factorization::solve_pack(int number, unsigned active, const Vectors& v, const Kernels& kernels, Alone&& alone) const {
   const simd::Program& program = symbolic_->program();
   const simd::PivotPack& pack = program.pack(number);
   const auto together = [&](unsigned lanes) {
-    f(simd::PackSolve{.program = program, .pack = pack, .factor = values_.data(), .x = v.x, .result = v.result,
+    kernels[pack.kind](simd::PackSolve{.program = program, .pack = pack, .factor = values_.data(), .x = v.x, .result = v.result,
                       .active = lanes, .form = symmetric() ? simd::Form::ldlt : simd::Form::ldu});
   };
   if ((packed_[number] & active) == active) return together(active);
@@ -223,17 +223,17 @@ void Factorization::leave(int k, const Vectors& v) const {
 }
 
 void Factorization::forward_pack(int number, unsigned active, const Vectors& v) const {
-  solve_pack(number, active, v, simd::solve_forward, [&](int k) { solve_forward(k, v.x, 1); });
+  solve_pack(number, active, v, solves_->forward, [&](int k) { solve_forward(k, v.x, 1); });
 }
 
 /// The second half of a solve.
 void Factorization::backward(const Vectors& v, int columns) const {
-  const auto together = symmetric() ? simd::solve_backward_transposed : simd::solve_backward;
+  const auto& kernels = symmetric() ? solves_->backward_transposed : solves_->backward;
   const auto alone = [&](int k) {
     solve_backward(k, v.x, columns);
     leave(k, v);
   };
-  walk(true, [&](int pack, unsigned active) { solve_pack(pack, active, v, together, alone); }, alone);
+  walk(true, [&](int pack, unsigned active) { solve_pack(pack, active, v, kernels, alone); }, alone);
 }
 
 /// Several columns only without packs.
@@ -278,8 +278,8 @@ void Factorization::solve_transposed_active(double* x) const {
     solve_backward_transposed(k, v.x);
     leave(k, v);
   };
-  walk(false, [&](int pack, unsigned active) { solve_pack(pack, active, v, simd::solve_forward_transposed, forward); }, forward);
-  walk(true, [&](int pack, unsigned active) { solve_pack(pack, active, v, simd::solve_backward_transposed, backward); }, backward);
+  walk(false, [&](int pack, unsigned active) { solve_pack(pack, active, v, solves_->forward_transposed, forward); }, forward);
+  walk(true, [&](int pack, unsigned active) { solve_pack(pack, active, v, solves_->backward_transposed, backward); }, backward);
 }
 
 }  // namespace graphsolve

@@ -52,7 +52,10 @@ void Factorization::leave_out(int component) {
 void Factorization::factorize_active(Count count, const Vectors* right) {
   const Symbolic& s = *symbolic_;
   prepare();
-  if (keep_matrix_) count = Count::each;
+  // A component by itself owns every lane: finding it by pivot, node and group was most of the time of counting.
+  Outcome* const all = count == Count::together && !keep_matrix_ ? outcomes_.data()
+                       : active_.size() == 1                     ? &outcomes_[active_.front()]
+                                                                 : nullptr;
   const simd::PackNumbers numbers{.values = values_.data(),
                                   .scratch = scratch_.data(),
                                   .reference = reference_.data(),
@@ -71,7 +74,7 @@ void Factorization::factorize_active(Count count, const Vectors* right) {
   walk(
       false,
       [&](int pack, unsigned lanes) {
-        eliminate_together(pack, lanes, count, numbers);
+        eliminate_together(pack, lanes, all, numbers);
         if (right != nullptr) forward_pack(pack, lanes, *right);
       },
       [&](int k) {
@@ -80,35 +83,51 @@ void Factorization::factorize_active(Count count, const Vectors* right) {
       });
 }
 
-/// The lanes of a pack, or, where some have to go alone, runs of lanes between them: what several add to one block is
-/// added in the order of the pivots, in any company.
-void Factorization::eliminate_together(int number, unsigned active, Count count, const simd::PackNumbers& numbers) {
-  const Symbolic& s = *symbolic_;
-  const simd::PivotPack& pack = s.program().pack(number);
+/// The lanes of a pack. Returns those that have to go alone; if there are any, nothing was done.
+unsigned Factorization::eliminate_pack(int number, const simd::PackJob& job) const {
+  if (!symmetric()) return eliminations_->any[job.pack.kind](job);
   const auto watch = kind_ == FactorizationKind::cholesky ? simd::Watch::no : simd::Watch::yes;
-  const auto together = [&](unsigned lanes) {
-    const unsigned before = packed_[number];
-    const simd::PackJob job{s, s.program(), pack, numbers, lanes};
-    const unsigned other = symmetric() ? simd::eliminate_symmetric(job, definite(pack.pivot[0]), watch)
-                                       : simd::eliminate(job);
-    if (other != 0) return other;
-    packed_[number] = static_cast<std::uint8_t>(before | lanes);
-    count_pack(pack, lanes, count);
-    for (unsigned rest = lanes & ~before, l = 0; rest != 0; rest >>= 1, ++l) {  // usually none: nothing changes its place
-      if (!(rest & 1u)) continue;
-      const int k = pack.pivot[l];
-      rank_[k] = s.dimension(k);
-      for (int i = 0; i < s.dimension(k); ++i) row_exchange_[first_row_[k] + i] = i;
-    }
-    return 0u;
-  };
+  return eliminations_->symmetric[job.pack.kind](job, definite_[number], watch);
+}
+
+/// These lanes were done together. Usually they were the last time: nothing changes its place.
+void Factorization::note_packed(int number, unsigned lanes) {
+  const unsigned before = packed_[number];
+  if ((before & lanes) == lanes) return;
+  const simd::PivotPack& pack = symbolic_->program().pack(number);
+  packed_[number] = static_cast<std::uint8_t>(before | lanes);
+  for (unsigned rest = lanes & ~before, l = 0; rest != 0; rest >>= 1, ++l) {
+    if (!(rest & 1u)) continue;
+    const int k = pack.pivot[l];
+    rank_[k] = symbolic_->dimension(k);
+    for (int i = 0; i < symbolic_->dimension(k); ++i) row_exchange_[first_row_[k] + i] = i;
+  }
+}
+
+void Factorization::eliminate_together(int number, unsigned active, Outcome* all, const simd::PackNumbers& numbers) {
+  const simd::Program& program = symbolic_->program();
+  const simd::PivotPack& pack = program.pack(number);
   if (keep_matrix_ && largest_entry_ > 0) measure_growth(pack, active);
-  const unsigned other = together(active);
-  if (other == 0) return;
+  const unsigned other = eliminate_pack(number, {program, pack, numbers, active});
+  if (other != 0) return eliminate_lanes(number, active, other, all, numbers);
+  note_packed(number, active);
+  count_pack(pack, active, all);
+}
+
+/// Where some lanes have to go alone: runs of lanes between them. What several add to one block is added in the order of
+/// the pivots, in any company.
+void Factorization::eliminate_lanes(int number, unsigned active, unsigned other, Outcome* all, const simd::PackNumbers& numbers) {
+  const simd::Program& program = symbolic_->program();
+  const simd::PivotPack& pack = program.pack(number);
   unsigned run = 0;
   for (int l = 0; l <= pack.lanes; ++l) {
     const bool ends = l == pack.lanes || (other >> l & 1u);
-    if (ends && run != 0) together(std::exchange(run, 0));
+    if (ends && run != 0) {
+      (void)eliminate_pack(number, {program, pack, numbers, run});  // none of them has to go alone
+      note_packed(number, run);
+      count_pack(pack, run, all);
+      run = 0;
+    }
     if (l == pack.lanes) break;
     if (ends) alone_if_active(pack.pivot[l]);
     else run |= active & 1u << l;
@@ -139,23 +158,22 @@ void Factorization::measure_growth(const simd::PivotPack& pack, unsigned active)
   }
 }
 
-void Factorization::count_pack(const simd::PivotPack& pack, unsigned active, Count count) {
+void Factorization::count_pack(const simd::PivotPack& pack, unsigned active, Outcome* all) {
   const Symbolic& s = *symbolic_;
   const simd::Shape& shape = s.program().shape(pack);
   const std::int64_t operations = symmetric() ? shape.symmetric_operations : shape.operations;
+  const bool negative = shape.saddle && kind_ != FactorizationKind::cholesky;
+  const int rows = symmetric() ? shape.dimension : 0;
   const auto add = [&](Outcome& outcome, int pivots) {
     outcome.operations += operations * pivots;
     outcome.pivots += pivots;
-    if (!symmetric()) return;
-    const bool negative = shape.saddle && kind_ != FactorizationKind::cholesky;
-    (negative ? outcome.inertia.negative : outcome.inertia.positive) += shape.dimension * pivots;
+    (negative ? outcome.inertia.negative : outcome.inertia.positive) += rows * pivots;
   };
-  if (count == Count::together) return add(outcomes_[0], std::popcount(active));
-  // A component by itself owns every lane: finding it by pivot, node and group was most of the time here.
-  if (active_.size() == 1) return add(outcomes_[active_.front()], std::popcount(active));
+  const int lanes = active == pack.used ? pack.pivots : std::popcount(active);
+  if (all != nullptr) return add(*all, lanes);
   const int first = s.component(s.node(pack.pivot[0]));
   const auto& group = s.program().groups()[s.program().group_of(first)];
-  if (group.copies == 1) return add(outcomes_[first], std::popcount(active));
+  if (group.copies == 1) return add(outcomes_[first], lanes);
   for (int l = 0; l < pack.lanes; ++l)
     if (active >> l & 1u) add(outcomes_[group.component[l]], 1);
 }

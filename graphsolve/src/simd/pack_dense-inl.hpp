@@ -6,7 +6,9 @@
 #define GRAPHSOLVE_SIMD_PACK_DENSE_INL_HPP_
 #endif
 
+#include <array>
 #include <limits>
+#include <utility>
 
 #include "graphsolve/simd/pack_memory-inl.hpp"
 #include "simd/pivot_kernels.hpp"
@@ -254,24 +256,16 @@ HWY_INLINE void product_lower(const double* l, const double* w, int rows, int d,
 template <int D, int L>
 inline constexpr int compiled_dimension = PackOf<L>::parts > 2 ? 0 : D;
 
-/// function<D, L>(...) with the usual dimensions as constants.
-#define GRAPHSOLVE_BY_DIMENSION(L, d, function, ...)                   \
-  switch (d) {                                                         \
-    case 1: return function<compiled_dimension<1, L>, L>(__VA_ARGS__);    \
-    case 2: return function<compiled_dimension<2, L>, L>(__VA_ARGS__);    \
-    case 3: return function<compiled_dimension<3, L>, L>(__VA_ARGS__);    \
-    case 4: return function<compiled_dimension<4, L>, L>(__VA_ARGS__);    \
-    case 5: return function<compiled_dimension<5, L>, L>(__VA_ARGS__);    \
-    case 6: return function<compiled_dimension<6, L>, L>(__VA_ARGS__);    \
-    default: return function<0, L>(__VA_ARGS__);                       \
-  }
-#define GRAPHSOLVE_BY_SHAPE(lanes, d, function, ...)                \
-  switch (lanes) {                                                  \
-    case 1: GRAPHSOLVE_BY_DIMENSION(1, d, function, __VA_ARGS__)    \
-    case 2: GRAPHSOLVE_BY_DIMENSION(2, d, function, __VA_ARGS__)    \
-    case 4: GRAPHSOLVE_BY_DIMENSION(4, d, function, __VA_ARGS__)    \
-    default: GRAPHSOLVE_BY_DIMENSION(8, d, function, __VA_ARGS__)   \
-  }
+/// of<D, L>() for every kind of pack.
+template <class Of, int... K>
+constexpr auto by_kind(Of of, std::integer_sequence<int, K...>) {
+  return std::array{
+      of.template operator()<compiled_dimension<K % pack_dimensions, 1 << K / pack_dimensions>, 1 << K / pack_dimensions>()...};
+}
+template <class Of>
+constexpr auto by_kind(Of of) {
+  return by_kind(of, std::make_integer_sequence<int, pack_kinds>{});
+}
 
 }  // namespace graphsolve::simd::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

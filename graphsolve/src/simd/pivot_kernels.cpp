@@ -290,14 +290,14 @@ unsigned eliminate_pack_symmetric(const PackJob& job, const Definite& definite, 
   return 0;
 }
 
+constexpr Eliminations here{.any = by_kind([]<int D, int L>() -> simd::Eliminate { return &eliminate_pack<D, L>; }),
+                            .symmetric = by_kind([]<int D, int L>() -> simd::EliminateSymmetric {
+                              return &eliminate_pack_symmetric<D, L>;
+                            })};
+
 }  // namespace
 
-unsigned Eliminate(const PackJob& job) {
-  GRAPHSOLVE_BY_SHAPE(job.pack.lanes, job.program.shape(job.pack).dimension, eliminate_pack, job)
-}
-unsigned EliminateSymmetric(const PackJob& job, const Definite& definite, Watch watch) {
-  GRAPHSOLVE_BY_SHAPE(job.pack.lanes, job.program.shape(job.pack).dimension, eliminate_pack_symmetric, job, definite, watch)
-}
+const Eliminations* EliminationsOfTarget() { return &here; }
 
 }  // namespace graphsolve::simd::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -305,12 +305,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace graphsolve::simd {
 
-HWY_EXPORT(Eliminate);
-HWY_EXPORT(EliminateSymmetric);
+HWY_EXPORT(EliminationsOfTarget);
 
-unsigned eliminate(const PackJob& job) { return HWY_DYNAMIC_DISPATCH(Eliminate)(job); }
-unsigned eliminate_symmetric(const PackJob& job, const Definite& definite, Watch watch) {
-  return HWY_DYNAMIC_DISPATCH(EliminateSymmetric)(job, definite, watch);
+const Eliminations& eliminations() {
+  (void)instruction_set();  // chosen before the first kernel runs
+  return *HWY_DYNAMIC_DISPATCH(EliminationsOfTarget)();
 }
 
 }  // namespace graphsolve::simd

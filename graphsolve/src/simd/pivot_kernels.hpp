@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <span>
+
 #include "simd/program.hpp"
 
 namespace graphsolve::simd {
@@ -24,7 +27,6 @@ struct PackNumbers {
 
 /// What a pack's elimination works on.
 struct PackJob {
-  const Symbolic& symbolic;
   const Program& program;
   const PivotPack& pack;
   const PackNumbers& numbers;
@@ -59,26 +61,46 @@ struct PackResidual {
 /// A pivot of a block that may depend, below this part of what was added to it, is rounding error.
 inline constexpr double dependent = 1e-11;
 
+/// When what is added to diagonals of blocks that may depend is remembered.
+enum class Watch { no, yes };
+
 /// D = L U without exchanges and W = D^-1 U, in place; then the blocks between the couplings lose L W. Returns the lanes
 /// whose block needs exchanges, or whose rows may depend: if there are any, nothing was written.
-unsigned eliminate(const PackJob& job);
-/// The same for a symmetric matrix of which the lower triangle is given, in Form::ldlt; nothing else is read or written. Returns the lanes whose block is not definite: if there are any, nothing was written.
-/// `watch`: remember what is added to diagonals of blocks that may depend.
-enum class Watch { no, yes };
-unsigned eliminate_symmetric(const PackJob& job, const Definite& definite, Watch watch);
+using Eliminate = unsigned (*)(const PackJob&);
+/// The same for a symmetric matrix of which the lower triangle is given, in Form::ldlt; nothing else is read or written.
+/// Returns the lanes whose block is not definite: if there are any, nothing was written.
+using EliminateSymmetric = unsigned (*)(const PackJob&, const Definite&, Watch);
+using Solve = void (*)(const PackSolve&);
+using Residual = void (*)(const PackResidual&);
+
+template <class Function>
+using ByKind = std::array<Function, pack_kinds>;  ///< by PivotPack::kind
+
+struct Eliminations {
+  ByKind<Eliminate> any;
+  ByKind<EliminateSymmetric> symmetric;
+};
+
+struct Solves {
+  /// x_k := D^-1 x_k; in Form::ldlt L^-1 x_k, which is kept times D^-1: the second half need not read D. Then the coupled
+  /// rows lose what lies below times x_k.
+  ByKind<Solve> forward;
+  /// x_k -= W x_coupled, which is final. Form::ldu.
+  ByKind<Solve> backward;
+  /// Of the transposed matrix: the coupled rows lose W^T x_k. Form::ldu.
+  ByKind<Solve> forward_transposed;
+  /// x_k := D^-T (x_k - L^T x_coupled), which is final; in Form::ldlt, where it is the second half of a solve,
+  /// L^-T (x_k - P^T x_coupled).
+  ByKind<Solve> backward_transposed;
+  /// residual -= A x and magnitude += |A| |x| for the blocks of the pack.
+  ByKind<Residual> residual;
+};
+
+/// For the instruction set in use (instruction_set()). They live as long as the process.
+const Eliminations& eliminations();
+const Solves& solves();
 
 /// The rows of the packs among these steps, from the user's vector to the one in lanes.
-void to_lanes(const Program& program, std::span<const Program::Step> steps, const double* x, double* lanes);
-
-/// x_k := D^-1 x_k, or L^-1 x_k in Form::ldlt, then the coupled rows lose what lies below times x_k.
-void solve_forward(const PackSolve& job);
-/// x_k -= W x_coupled, which is final. Form::ldu.
-void solve_backward(const PackSolve& job);
-/// Of the transposed matrix: the coupled rows lose W^T x_k. Form::ldu.
-void solve_forward_transposed(const PackSolve& job);
-/// x_k := D^-T (x_k - L^T x_coupled), which is final; in Form::ldlt, where it is the second half of a solve, L^-T (D^-1 x_k - P^T x_coupled).
-void solve_backward_transposed(const PackSolve& job);
-/// residual -= A x and magnitude += |A| |x| for the blocks of the pack.
-void subtract_product(const PackResidual& job);
+void to_lanes(const Program& program, std::span<const Program::Step> steps, const double* x, double* to);
 
 }  // namespace graphsolve::simd

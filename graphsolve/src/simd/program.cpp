@@ -127,8 +127,7 @@ void Program::add_one(const Symbolic& s, const Class& equal, int component) {
         if (bundle.used >> l & 1u) steps_.push_back({-1, begin + bundle.pivot[l]});
       continue;
     }
-    PivotPack pack{.shape = shape, .lanes = bundle.lanes, .used = bundle.used, .pivot = bundle.pivot,
-                   .shares = false, .place = -1, .upper = -1, .rows = 0, .targets = 0, .lane_rows = 0, .row_targets = 0};
+    PivotPack pack{.shape = shape, .lanes = bundle.lanes, .used = bundle.used, .pivot = bundle.pivot};
     for (int& pivot : pack.pivot) pivot += begin;
     add_pack(s, pack);
   }
@@ -158,7 +157,7 @@ void Program::add_copies(const Symbolic& s, const Class& equal, std::span<const 
     for (int l = 0; l < bundle.lanes; ++l) {
       if (!(bundle.used >> l & 1u) || shape_of_[s.component_begin(components[0]) + bundle.pivot[l]] == in_dense_end) continue;
       PivotPack pack{.shape = shape_of_[s.component_begin(components[0]) + bundle.pivot[l]], .lanes = lanes_for(copies),
-                     .used = (1u << copies) - 1, .pivot = {}, .shares = false, .place = -1, .upper = -1, .rows = 0, .targets = 0, .lane_rows = 0, .row_targets = 0};
+                     .used = (1u << copies) - 1, .pivot = {}};
       for (int c = 0; c < lanes; ++c)
         pack.pivot[c] = s.component_begin(components[c < copies ? c : 0]) + bundle.pivot[l];
       if (pack.shape >= 0) add_pack(s, pack);
@@ -173,6 +172,8 @@ void Program::add_copies(const Symbolic& s, const Class& equal, std::span<const 
 void Program::add_pack(const Symbolic& s, PivotPack pack) {
   const Shape& shape = shapes_[pack.shape];
   const int number = static_cast<int>(packs_.size());
+  pack.pivots = std::popcount(pack.used);
+  pack.kind = pack_kind(pack.lanes, shape.dimension);
   pack.rows = static_cast<int>(rows_.size());
   for (int l = 0; l < pack.lanes; ++l) {
     rows_.push_back(s.row(pack.pivot[l]));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -36,6 +37,13 @@ struct Shape {
   [[nodiscard]] int upper_size() const { return dimension * coupled_rows; }
 };
 
+/// Kinds of packs that have code of their own: by lanes, and by dimension up to that of a pivot that is packed alone; what is
+/// larger shares code, as dimension 0.
+inline constexpr int pack_dimensions = largest_lone + 1, pack_kinds = 4 * pack_dimensions;
+constexpr int pack_kind(int width, int dimension) {
+  return std::countr_zero(static_cast<unsigned>(width)) * pack_dimensions + (dimension <= largest_lone ? dimension : 0);
+}
+
 /// Pivots in lanes. Scalar i of the diagonal block and of those below, in lane l, lies at values[place + i lanes + l], of those
 /// to the right at values[upper + i lanes + l]: blocks of the matrix are written there, and become those of the factor. Lanes
 /// without a pivot repeat one that is used, in `pivot`; their scalars mean nothing.
@@ -44,12 +52,14 @@ struct PivotPack {
   int lanes;                           ///< 1, 2, 4 or 8
   unsigned used;                       ///< bit per lane that has a pivot
   std::array<int, simd::lanes> pivot;
-  bool shares;                         ///< do several of its pivots couple to one and the same?
-  std::int64_t place, upper;
-  int rows;                            ///< first of lanes * (1 + couplings) entries in Program::rows
-  int targets;                         ///< first of couplings^2 entries in Program::targets
-  int lane_rows;                       ///< of a vector in lanes: row r of lane l lies at lane_rows + r lanes + l
-  int row_targets;                     ///< first of couplings entries in Program::row_targets
+  int pivots = 0;                      ///< how many lanes are used
+  int kind = 0;                        ///< pack_kind
+  bool shares = false;                 ///< do several of its pivots couple to one and the same?
+  std::int64_t place = -1, upper = -1;
+  int rows = 0;                        ///< first of lanes * (1 + couplings) entries in Program::rows
+  int targets = 0;                     ///< first of couplings^2 entries in Program::targets
+  int lane_rows = 0;                   ///< of a vector in lanes: row r of lane l lies at lane_rows + r lanes + l
+  int row_targets = 0;                 ///< first of couplings entries in Program::row_targets
 };
 
 /// Blocks that the lanes of a pack change, or rows that they see: lane l's from place + l on, its scalars `stride` apart.

@@ -115,9 +115,15 @@ void forward(const PackSolve& job) {
   const Stored<L> lu{diagonal};
   PackOf<L> x[D ? D : largest_dimension], t[largest_front];
   load_own<L>(job, d, x);
-  if (job.form == Form::ldlt) solve_lower<D, 1>(lu, x, d);
-  else solve_columns<D, 1>(lu, x, d);
-  store_own<L>(job, d, x);
+  if (job.form == Form::ldlt) {
+    solve_lower<D, 1>(lu, x, d);
+    PackOf<L> scaled[D ? D : largest_dimension];
+    for (int p = 0; p < d; ++p) scaled[p] = x[p] * lu[p * (d + 1)];
+    store_own<L>(job, d, scaled);
+  } else {
+    solve_columns<D, 1>(lu, x, d);
+    store_own<L>(job, d, x);
+  }
   const double* lower = diagonal + d * d * L;
   PackOf<L>* sum = t;
   for (int i = 0; i < shape.couplings(); ++i) {
@@ -173,10 +179,7 @@ void backward_transposed(const PackSolve& job) {
   const double* diagonal = job.factor + job.pack.place;
   const Stored<L> lu{diagonal};
   PackOf<L> x[D ? D : largest_dimension], coupled[largest_dimension];
-  const bool ldlt = job.form == Form::ldlt;
   load_own<L>(job, d, x);
-  if (ldlt)
-    for (int p = 0; p < d; ++p) x[p] *= lu[p * (d + 1)];
   const double* lower = diagonal + d * d * L;
   for (int i = 0; i < shape.couplings(); ++i) {
     const int rows = shape.coupled[i];
@@ -188,22 +191,19 @@ void backward_transposed(const PackSolve& job) {
       for (int p = 0; p < d; ++p) x[p] = negative_multiply_add(load<L>(row + p * next), coupled[r], x[p]);
     lower += next * d;
   }
-  if (!ldlt) solve_upper_transposed<D>(lu, x, d);
+  if (job.form == Form::ldu) solve_upper_transposed<D>(lu, x, d);
   solve_lower_transposed<D>(lu, x, d);
   finish_own<L>(job, d, x);
 }
 
 template <int D, int L>
-HWY_INLINE void enter(const Program& program, const PivotPack& pack, const double* user, double* to) {
+void enter(const Program& program, const PivotPack& pack, const double* user, double* to) {
   const int d = D ? D : program.shape(pack).dimension;
   PackOf<L> x[D ? D : largest_dimension];
   const double* place[L];
   point_at<L>(program, pack, user, 0, place);
   load_transposed(place, d, x, pack.used);
   for (int p = 0; p < d; ++p) store(x[p], to + pack.lane_rows + p * L);
-}
-void enter_any(const Program& program, const PivotPack& pack, const double* user, double* to) {
-  GRAPHSOLVE_BY_SHAPE(pack.lanes, program.shape(pack).dimension, enter, program, pack, user, to)
 }
 
 /// The coupled rows of `to`, a vector of the user's, += sign t. If pivots share couplings, lane after lane.
@@ -268,43 +268,44 @@ void residual(const PackResidual& job) {
   add_coupled<L>(job, shape, magnitude, job.magnitude, 1.0);
 }
 
+constexpr Solves here{
+    .forward = by_kind([]<int D, int L>() -> simd::Solve { return &forward<D, L>; }),
+    .backward = by_kind([]<int D, int L>() -> simd::Solve { return &backward<D, L>; }),
+    .forward_transposed = by_kind([]<int D, int L>() -> simd::Solve { return &forward_transposed<D, L>; }),
+    .backward_transposed = by_kind([]<int D, int L>() -> simd::Solve { return &backward_transposed<D, L>; }),
+    .residual = by_kind([]<int D, int L>() -> simd::Residual { return &residual<D, L>; })};
+
+using Enter = void (*)(const Program&, const PivotPack&, const double*, double*);
+constexpr ByKind<Enter> enters = by_kind([]<int D, int L>() -> Enter { return &enter<D, L>; });
+
 }  // namespace
 
-#define GRAPHSOLVE_FOR_PACK(function) \
-  GRAPHSOLVE_BY_SHAPE(job.pack.lanes, job.program.shape(job.pack).dimension, function, job)
+const Solves* SolvesOfTarget() { return &here; }
 
 void ToLanes(const Program& program, std::span<const Program::Step> steps, const double* x, double* to) {
-  for (const Program::Step& step : steps)
-    if (step.pack >= 0) enter_any(program, program.pack(step.pack), x, to);
+  for (const Program::Step& step : steps) {
+    if (step.pack < 0) continue;
+    const PivotPack& pack = program.pack(step.pack);
+    enters[pack.kind](program, pack, x, to);
+  }
 }
-void SolveForward(const PackSolve& job) { GRAPHSOLVE_FOR_PACK(forward) }
-void SolveBackward(const PackSolve& job) { GRAPHSOLVE_FOR_PACK(backward) }
-void SolveForwardTransposed(const PackSolve& job) { GRAPHSOLVE_FOR_PACK(forward_transposed) }
-void SolveBackwardTransposed(const PackSolve& job) { GRAPHSOLVE_FOR_PACK(backward_transposed) }
-void SubtractProduct(const PackResidual& job) { GRAPHSOLVE_FOR_PACK(residual) }
 
-#undef GRAPHSOLVE_FOR_PACK
 }  // namespace graphsolve::simd::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace graphsolve::simd {
 
+HWY_EXPORT(SolvesOfTarget);
 HWY_EXPORT(ToLanes);
-HWY_EXPORT(SolveForward);
-HWY_EXPORT(SolveBackward);
-HWY_EXPORT(SolveForwardTransposed);
-HWY_EXPORT(SolveBackwardTransposed);
-HWY_EXPORT(SubtractProduct);
 
+const Solves& solves() {
+  (void)instruction_set();  // chosen before the first kernel runs
+  return *HWY_DYNAMIC_DISPATCH(SolvesOfTarget)();
+}
 void to_lanes(const Program& program, std::span<const Program::Step> steps, const double* x, double* to) {
   HWY_DYNAMIC_DISPATCH(ToLanes)(program, steps, x, to);
 }
-void solve_forward(const PackSolve& job) { HWY_DYNAMIC_DISPATCH(SolveForward)(job); }
-void solve_backward(const PackSolve& job) { HWY_DYNAMIC_DISPATCH(SolveBackward)(job); }
-void solve_forward_transposed(const PackSolve& job) { HWY_DYNAMIC_DISPATCH(SolveForwardTransposed)(job); }
-void solve_backward_transposed(const PackSolve& job) { HWY_DYNAMIC_DISPATCH(SolveBackwardTransposed)(job); }
-void subtract_product(const PackResidual& job) { HWY_DYNAMIC_DISPATCH(SubtractProduct)(job); }
 
 }  // namespace graphsolve::simd
 #endif
