@@ -4,25 +4,10 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
-#include "graphsolve/aligned.hpp"
 #include "graphsolve/symbolic.hpp"
 
 namespace graphsolve {
-
-namespace kernels {
-struct Table;
-}
-
-namespace simd {
-struct PivotPack;
-struct Definite;
-struct PackNumbers;
-struct PackJob;
-struct Eliminations;
-struct Solves;
-}  // namespace simd
 
 /// What is known of the matrix, and so how it is factored. All kinds share one Symbolic and one layout.
 ///
@@ -58,8 +43,8 @@ class Factorization {
   /// Another one of the same plan, kind and shift; without numbers, and keeping no matrix.
   [[nodiscard]] Factorization twin() const;
 
-  [[nodiscard]] const Symbolic& symbolic() const { return *symbolic_; }
-  [[nodiscard]] FactorizationKind kind() const { return kind_; }
+  [[nodiscard]] const Symbolic& symbolic() const;
+  [[nodiscard]] FactorizationKind kind() const;
 
   /// The numbers of the matrix, written through BlockHandles. factorize() overwrites them.
   [[nodiscard]] std::span<double> values() { return values_; }
@@ -77,15 +62,15 @@ class Factorization {
   /// Makes room for a copy of the matrix, which refine() needs; allocates now.
   void allow_refinement();
   /// Whether the next factorizations keep that copy. Off at first.
-  void keep_matrix(bool keep) { keep_matrix_ = keep; }
+  void keep_matrix(bool keep);
 
   /// The kept copy, laid out like values(); empty before the first. The symmetric kinds fill both triangles of it.
-  [[nodiscard]] std::span<const double> matrix() const { return matrix_; }
+  [[nodiscard]] std::span<const double> matrix() const;
 
   /// Proximal shift: every saddle row gets this part of what its neighbours added to its diagonal on top, with the
   /// same sign. Bounds what rounding can do where neighbours are very stiff; refine() and Newton iterations take it
   /// out again. 0 at first: the matrix is factored as it is. No effect on cholesky.
-  void set_saddle_shift(double relative) { saddle_shift_ = relative; }
+  void set_saddle_shift(double relative);
 
   struct Outcome {
     int dropped_rows = 0;         ///< dependent rows found inside saddle blocks and left out
@@ -122,9 +107,7 @@ class Factorization {
   /// faster in a Symbolic without packs.
   void allow_refactorization();
   /// An entry of a block of the kept matrix, for new numbers before refactorize().
-  [[nodiscard]] double& kept_entry(const BlockHandle& handle, int row = 0, int column = 0) {
-    return matrix_[handle.place(row, column)];
-  }
+  [[nodiscard]] double& kept_entry(const BlockHandle& handle, int row = 0, int column = 0);
   /// Factors again after some blocks of the kept matrix changed: the diagonal blocks of the nodes in `changed`, and
   /// couplings with both ends in it. Only these nodes and their ancestors in the elimination tree are done again
   /// (Outcome::pivots), from the kept matrix, after the updates of their other descendants were applied anew: the same
@@ -162,202 +145,16 @@ class Factorization {
     NodeId node;
     int row;
   };
-  [[nodiscard]] std::span<const DroppedRow> dropped_rows() const { return dropped_; }
+  [[nodiscard]] std::span<const DroppedRow> dropped_rows() const;
   /// Left null vector that goes with a dropped row: y with y^T A = 0, y = 1 at that row. Its nonzero blocks
   /// name the group of dependent rows. Allocates nothing; y has rows() entries.
   void dependency(const DroppedRow& dropped, std::span<double> y) const;
 
  private:
-  [[nodiscard]] bool symmetric() const { return kind_ != FactorizationKind::ldu; }
-  [[nodiscard]] bool tracks_reference(int k) const;
-  [[nodiscard]] bool starts_with_reference(int k) const;
-  /// Of one solve: the vector at work, in lanes where there are packs, and the user's, which gets the result.
-  struct Vectors {
-    double *x, *result;
-  };
-  enum class Count { each, together };  ///< by component, or all in the first outcome
-  // Which components take part.
-  void set_active(std::span<const int> components) const;
-  void set_all_active() const;
-  [[nodiscard]] bool takes_part(int pivot) const;
-  template <class F>
-  void each_active_pivot(F&& f) const;
-  template <class F>
-  void each_given(int k, F&& f) const;
-  template <class Whole, class OfPivot>
-  void each_extent(Whole&& whole, OfPivot&& of_pivot) const;
-  // Before the elimination.
-  void make_room_for_packs();
-  void keep();
-  void find_referenced();
-  void prepare();
-  void start_reference(int k);
-  void start_references(const simd::PivotPack& pack, unsigned active);
-  [[nodiscard]] std::size_t reference_place(int k, int row) const;
-  [[nodiscard]] double& reference(int k, int row) { return reference_[reference_place(k, row)]; }
-  [[nodiscard]] double& panel_reference(int k, int row) { return panel_reference_[reference_place(k, row)]; }
-  [[nodiscard]] const double* references(int k, double* buffer) const;
-  void start_panel_reference(int k);
-  void start_panel_references(const simd::PivotPack& pack);
-  template <int Lanes>
-  void start_panel_references_of(const simd::PivotPack& pack);
-  // One pivot by itself.
-  struct PivotBlocks {
-    double *diagonal, *lower, *upper;
-  };
-  struct PivotFactor {
-    const double *diagonal, *lower, *upper;
-  };
-  [[nodiscard]] PivotBlocks open(int k);
-  void close(int k, const PivotBlocks& blocks);
-  void gather(int k, double* to) const;
-  [[nodiscard]] PivotFactor factor_of(int k, double* buffer) const;
-  void eliminate_from(int k, Outcome& outcome);
-  void eliminate_alone(int k, Outcome& outcome);
-  void begin_alone(int k, Outcome& outcome);
-  void eliminate_group(int begin, int size, Outcome& outcome);
-  void gather_member(int begin, int r, int size, double* l);
-  void update_member(int begin, int k, const double* l, int depth);
-  void update_after(int begin, int size, const double* l, const double* spread_w);
-  void alone_if_active(int k);
-  bool factorize_pivot(int k, const PivotBlocks& blocks, Outcome& outcome);
-  bool factorize_one(int k, const PivotBlocks& blocks, Outcome& outcome);
-  bool factorize_pivot_any(int k, const PivotBlocks& blocks, Outcome& outcome);
-  [[nodiscard]] simd::Definite definite(int k) const;
-  bool factorize_pivot_symmetric(int k, const PivotBlocks& blocks, Outcome& outcome);
-  bool factorize_pivot_indefinite(int k, const PivotBlocks& blocks, Outcome& outcome);
-  bool boost(int k, const PivotBlocks& blocks, double* block);
-  void shift_pivot(int k, double* diagonal);
-  [[nodiscard]] int original_row(int k, int place) const;
-  void drop_rows(int k, Outcome& outcome);
-  bool couples_later(int k, const PivotBlocks& blocks);
-  [[nodiscard]] double largest_of(int k) const;
-  void transpose_panel(int k, const PivotBlocks& blocks) const;
-  void halve_panel(int k, const PivotBlocks& blocks) const;
-  void finish_panel(int k, const PivotBlocks& blocks) const;
-  [[nodiscard]] bool may_be_spread(int k) const;
-  void spread_panel(int k, const PivotBlocks& blocks, int from, double* l, std::ptrdiff_t next, int begin, int depth);
-  [[nodiscard]] std::int64_t panel_operations(int k) const;
-  [[nodiscard]] bool is_halved(int pivot) const { return symmetric() && halved_[pivot] != Halved::no; }
-  [[nodiscard]] bool is_half_kept(int pivot) const { return symmetric() && halved_[pivot] == Halved::and_spread; }
-  void mirror_matrix(int k);
-  void eliminate(int k, const PivotBlocks& blocks, Outcome& outcome);
-  void update(int k, const PivotBlocks& blocks, int from, Outcome& outcome);
-  void remember_diagonal(const double* block, int d, int stride = 1);
-  void note_added(int k, const double* block, int d, int stride = 1);
-  [[nodiscard]] std::int64_t updated_scalars(std::int64_t couplings, std::int64_t rows) const;
-  std::int64_t update_row_scattered(int k, int i, int from, const double* lower, const double* upper);
-  // Along the program. all: the outcome of whatever takes part, where one is enough.
-  [[nodiscard]] bool in_packs() const;
-  [[nodiscard]] bool is_packed(int pivot) const;
-  void start(std::span<const int> components);
-  void start_all();
-  [[nodiscard]] Outcome finish_all();
-  void factorize_active(Count count, const Vectors* right = nullptr);
-  void leave_out(int component);
-  void eliminate_together(int number, unsigned active, Outcome* all, const simd::PackNumbers& numbers);
-  [[nodiscard]] unsigned eliminate_pack(int number, const simd::PackJob& job) const;
-  void eliminate_lanes(int number, unsigned active, unsigned other, Outcome* all, const simd::PackNumbers& numbers);
-  void note_packed(int number, unsigned lanes);
-  void measure_growth(const simd::PivotPack& pack, unsigned active);
-  void count_pack(const simd::PivotPack& pack, unsigned active, Outcome* all);
-  // refactorize().
-  void restore(int k);
-  void collect_redone(std::span<const NodeId> changed);
-  void forget_redone(Outcome& outcome);
-  // Solving.
-  void solve_diagonal(int k, const double* diagonal, double* x, int columns, std::ptrdiff_t stride) const;
-  void solve_active(double* x, int columns) const;
-  void solve_transposed_active(double* x) const;
-  void forward_pack(int number, unsigned active, const Vectors& v) const;
-  void backward(const Vectors& v, int columns) const;
-  [[nodiscard]] Vectors enter(double* x) const;
-  void leave(int k, const Vectors& v) const;
-  template <class Kernels, class Alone>
-  void solve_pack(int number, unsigned active, const Vectors& v, const Kernels& kernels, Alone&& alone) const;
-  void solve_forward(int k, double* x, int columns) const;
-  void solve_backward(int k, double* x, int columns) const;
-  void solve_forward_transposed(int k, double* x) const;
-  void solve_backward_transposed(int k, double* x) const;
-  template <class Together, class Alone>
-  void walk(bool backward, Together&& together, Alone&& alone) const;
-  void check_size(std::span<const double> x, int columns) const;
-  void check_begun() const;
-  void check_components(std::span<const int> components) const;
-  enum class Precision { plain, twice };
-  enum class Side { plain, transposed };  ///< A x = b or A^T x = b
-  void start_residual(std::span<const double> b, int component);
-  template <class F>
-  void each_kept_block(int k, F&& take) const;
-  void finish_residual(int component);
-  void residual(std::span<const double> b, std::span<const double> x);
-  void residual_transposed(std::span<const double> b, std::span<const double> x);
-  void residual_twice(std::span<const double> b, std::span<const double> x, int component, Side side);
-  Refinement refine(std::span<const double> b, std::span<double> x, std::span<const int> components, int max_sweeps,
-                    Side side);
-  template <class F>
-  void each_row(int component, F&& f) const;
+  class Impl;
 
-  std::shared_ptr<const Symbolic> symbolic_;
-  FactorizationKind kind_;
-  // Of the instruction set in use when this was made: for single blocks, and for packs.
-  const kernels::Table* kernels_;
-  const simd::Eliminations* eliminations_;
-  const simd::Solves* solves_;
-  AlignedVector values_, matrix_;
-  std::vector<int> row_exchange_;     ///< per row in pivot order: the row that took this place in its block
-  std::vector<int> column_exchange_;  ///< same for columns, where the rank is not full; empty where it always is
-  std::vector<int> rank_;             ///< per pivot
-  /// A panel below a definite block goes through half a solve; where it is spread at once its L^-1 P^T is not kept.
-  enum class Halved : char { no, yes, and_spread };
-  std::vector<Halved> halved_;        ///< per pivot of a symmetric kind that went by itself
-  std::vector<int> first_row_;        ///< per pivot: first row in pivot order
-  std::vector<int> referenced_;       ///< steps of the program whose pivots start_with_reference, ascending
-  AlignedVector reference_;           ///< where anything is compared with it, per row, in lanes: largest amount, signed,
-                                      ///< added to a saddle diagonal;
-                                      ///< in the symmetric kinds |diagonal of the matrix| for other nodes
-  AlignedVector panel_reference_;     ///< where dependence is looked for, likewise: largest entry of the row right of the
-                                      ///< block
-  std::vector<double> work_;          ///< two of the largest block and 3 of its rows; solving needs none of it
-  std::vector<double> opened_, target_;  ///< blocks of one pivot, and one that it changes, where they lie interleaved
-  std::vector<char> equal_;           ///< per pivot: equal_couplings
-  std::vector<char> group_;           ///< per pivot: how many the group has that it begins, see group_size; 0 inside one
-  std::vector<char> scattered_;       ///< per pivot: may blocks that it changes lie interleaved with others?
-  std::vector<char> among_single_;    ///< per pivot: do it and all that it changes go by themselves?
-  AlignedVector spread_;              ///< for the update of equal couplings
-  std::vector<double> residual_, residual_low_, magnitude_, best_;
-  std::vector<DroppedRow> dropped_;
-  // For refactorize().
-  struct Share {
-    Inertia inertia;
-    int dropped_rows = 0, boosts = 0;
-  };
-  enum class Mark : char { none, redo, apply };
-  std::vector<int> earlier_begin_, earlier_;  ///< per pivot: earlier pivots coupled to it in the factor
-  std::vector<Share> share_;                  ///< per pivot: its part of the last outcome
-  std::vector<Mark> mark_;
-  std::vector<int> queue_;
-  Outcome total_;
-  bool complete_ = false;
-  std::vector<std::uint8_t> packed_;    ///< by pack: lanes whose factor was made together
-  std::vector<simd::Definite> definite_;  ///< by pack, of the symmetric kinds
-  AlignedVector scratch_;               ///< of packs
-  mutable AlignedVector lane_rows_;     ///< the vector that is solved for, interleaved as the packs are
-  struct Range {
-    std::int64_t begin, end;
-  };
-  std::vector<Range> zeroed_;           ///< of the values, ascending; empty: all of them
-  std::vector<int> zeroed_begin_;       ///< by group of the program, into zeroed_
-  std::vector<Outcome> outcomes_;       ///< by component, of the last factorization
-  mutable std::vector<int> active_;     ///< components that take part in this call
-  mutable std::vector<std::uint8_t> lanes_;  ///< by group of the program: lanes that do; bit 0 for a component alone
-  std::vector<int> everything_, refined_;    ///< all components; those that refine() still improves
-  std::vector<double> error_, least_error_;  ///< by component, of refine(): after a sweep, and the least so far
-  std::vector<Precision> precision_;
-  std::vector<int> in_vain_;                 ///< sweeps in a row
-  bool keep_matrix_ = false, begun_ = false;
-  double largest_entry_ = 0;          ///< of the kept part of the matrix
-  double saddle_shift_ = 0;
+  std::unique_ptr<Impl> impl_;
+  std::span<double> values_;  ///< of impl_
 };
 
 }  // namespace graphsolve

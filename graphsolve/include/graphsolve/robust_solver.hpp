@@ -89,8 +89,6 @@ class RobustSolver {
   [[nodiscard]] const Factorization& factorization() const;
 
  private:
-  enum class Side { plain, transposed };  ///< A x = b or A^T x = b
-  Report solve(std::span<const double> b, std::span<double> x, int columns, Side side);
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -1,242 +1,74 @@
 #include "graphsolve/factorization.hpp"
 
-#include <algorithm>
-#include <cassert>
-#include <cmath>
-#include <stdexcept>
-#include <string>
+#include <utility>
 
-#include "symbolic/equal_couplings.hpp"
-#include "factorization/factorization_active.hpp"
-#include "factorization/kernels.hpp"
-#include "symbolic/operations.hpp"
-#include "factorization/rank_revealing.hpp"
-#include "simd/pivot_kernels.hpp"
+#include "factorization/impl.hpp"
 
+/// What users see: every call goes to Factorization::Impl.
 namespace graphsolve {
 
-using simd::dependent;
+Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, FactorizationKind kind)
+    : impl_(std::make_unique<Impl>(std::move(symbolic), kind)), values_(impl_->values()) {}
+Factorization::~Factorization() = default;
+Factorization::Factorization(Factorization&&) noexcept = default;
+Factorization& Factorization::operator=(Factorization&&) noexcept = default;
 
-Factorization::Outcome Factorization::factorize() {
-  start_all();
-  factorize_active(Count::together);
-  return finish_all();
+Factorization Factorization::twin() const {
+  Factorization other(impl_->symbolic(), impl_->kind());
+  other.impl_->set_saddle_shift(impl_->saddle_shift());
+  return other;
 }
 
-void Factorization::start_all() {
-  begun_ = true;
-  dropped_.clear();
-  set_all_active();
-  std::fill(outcomes_.begin(), outcomes_.end(), Outcome{});
-}
+const Symbolic& Factorization::symbolic() const { return *impl_->symbolic(); }
+FactorizationKind Factorization::kind() const { return impl_->kind(); }
 
-Factorization::Outcome Factorization::finish_all() {
-  Outcome outcome;
-  for (const Outcome& part : outcomes_) {
-    outcome.dropped_rows += part.dropped_rows;
-    outcome.boosts += part.boosts;
-    outcome.inertia.positive += part.inertia.positive;
-    outcome.inertia.negative += part.inertia.negative;
-    outcome.inertia.zero += part.inertia.zero;
-    outcome.operations += part.operations;
-    outcome.pivots += part.pivots;
-    outcome.growth = std::max(outcome.growth, part.growth);
-    if (outcome.ok()) outcome.first_bad_pivot = part.first_bad_pivot;
-  }
-  total_ = outcome;
-  complete_ = keep_matrix_ && outcome.ok();
-  return outcome;
-}
+void Factorization::set_zero() { impl_->set_zero(); }
+void Factorization::set_zero(std::span<const int> components) { impl_->set_zero(components); }
+void Factorization::leave_unzeroed(std::span<const BlockHandle> blocks) { impl_->leave_unzeroed(blocks); }
 
-Factorization::Outcome Factorization::factorize(int component) {
-  return factorize({&component, 1})[component];
-}
+void Factorization::allow_refinement() { impl_->allow_refinement(); }
+void Factorization::keep_matrix(bool keep) { impl_->keep_matrix(keep); }
+std::span<const double> Factorization::matrix() const { return impl_->matrix(); }
+void Factorization::set_saddle_shift(double relative) { impl_->set_saddle_shift(relative); }
 
+Factorization::Outcome Factorization::factorize() { return impl_->factorize(); }
+Factorization::Outcome Factorization::factorize(int component) { return impl_->factorize({&component, 1})[component]; }
 std::span<const Factorization::Outcome> Factorization::factorize(std::span<const int> components) {
-  start(components);
-  factorize_active(Count::each);
-  return outcomes_;
+  return impl_->factorize(components);
+}
+Factorization::Outcome Factorization::factorize_and_solve(std::span<double> x) { return impl_->factorize_and_solve(x); }
+std::span<const Factorization::Outcome> Factorization::factorize_and_solve(std::span<const int> components,
+                                                                           std::span<double> x) {
+  return impl_->factorize_and_solve(components, x);
 }
 
-void Factorization::start(std::span<const int> components) {
-  begun_ = true;
-  check_components(components);
-  const Symbolic& s = *symbolic_;
-  set_active(components);
-  if (!dropped_.empty())
-    std::erase_if(dropped_, [&](const DroppedRow& d) { return std::ranges::find(components, s.component(d.node)) != components.end(); });
-  for (const int c : components) outcomes_[c] = {};
-  complete_ = false;
+void Factorization::allow_refactorization() { impl_->allow_refactorization(); }
+double& Factorization::kept_entry(const BlockHandle& handle, int row, int column) {
+  return impl_->kept_entry(handle.place(row, column));
+}
+Factorization::Outcome Factorization::refactorize(std::span<const NodeId> changed) { return impl_->refactorize(changed); }
+
+void Factorization::solve_component(std::span<double> x, int component) const {
+  impl_->solve_components(x, {&component, 1});
+}
+void Factorization::solve_components(std::span<double> x, std::span<const int> components) const {
+  impl_->solve_components(x, components);
+}
+void Factorization::solve(std::span<double> x, int columns) const { impl_->solve(x, columns); }
+void Factorization::solve_transposed(std::span<double> x, int columns) const { impl_->solve_transposed(x, columns); }
+
+Factorization::Refinement Factorization::refine(std::span<const double> b, std::span<double> x, int max_sweeps) {
+  return impl_->refine(b, x, max_sweeps);
+}
+Factorization::Refinement Factorization::refine(std::span<const double> b, std::span<double> x,
+                                                std::span<const int> components, int max_sweeps) {
+  return impl_->refine(b, x, components, max_sweeps);
+}
+Factorization::Refinement Factorization::refine_transposed(std::span<const double> b, std::span<double> x, int max_sweeps) {
+  return impl_->refine_transposed(b, x, max_sweeps);
 }
 
-/// Copies the matrix before it is overwritten.
-void Factorization::keep() {
-  assert(matrix_.capacity() >= values_.size() && "allow_refinement() before keep_matrix(true)");
-  matrix_.resize(values_.size());
-  double largest = 0;
-  const auto copy = [&](std::int64_t at) {
-    matrix_[at] = values_[at];
-    largest = std::max(largest, std::abs(values_[at]));
-  };
-  each_extent(
-      [&](std::size_t, std::int64_t begin, std::int64_t end) {
-        for (auto i = begin; i < end; ++i) copy(i);
-      },
-      [&](int k) { each_given(k, copy); });
-  largest_entry_ = largest;
-  if (symmetric()) each_active_pivot([&](int k) { mirror_matrix(k); });
-}
-
-/// Largest entry of the blocks of a pivot, which no other pivot changes any more.
-double Factorization::largest_of(int k) const {
-  const Symbolic::Pivot& p = symbolic_->pivot(k);
-  const int d = p.dimension;
-  double largest = 0;
-  const auto take = [&](const double* block, std::int64_t begin, std::int64_t end) {
-    for (auto i = begin; i < end; ++i) largest = std::max(largest, std::abs(block[i * p.stride]));
-  };
-  // The upper triangle of a symmetric matrix is not kept up.
-  for (int j = 0; j < d; ++j) take(values_.data() + p.diagonal, j * d + (symmetric() ? j : 0), (j + 1) * d);
-  take(values_.data() + p.lower, 0, p.upper_scalars());
-  if (!symmetric()) take(values_.data() + p.upper, 0, p.upper_scalars());
-  return largest;
-}
-
-/// The blocks of a pivot, one scalar after the other: in place, or a copy.
-Factorization::PivotBlocks Factorization::open(int k) {
-  const Symbolic::Pivot& p = symbolic_->pivot(k);
-  if (p.stride == 1) return {values_.data() + p.diagonal, values_.data() + p.lower, values_.data() + p.upper};
-  double* to = opened_.data();
-  gather(k, to);
-  return {to, to + p.dimension * p.dimension, to + p.lower_scalars()};
-}
-
-/// Diagonal block, blocks below, blocks to the right.
-void Factorization::gather(int k, double* to) const {
-  const Symbolic::Pivot& p = symbolic_->pivot(k);
-  const double *lower = values_.data() + p.diagonal, *upper = values_.data() + p.upper;
-  for (std::int64_t i = 0; i < p.lower_scalars(); ++i) *to++ = lower[i * p.stride];
-  for (std::int64_t i = 0; i < p.upper_scalars(); ++i) *to++ = upper[i * p.stride];
-}
-
-void Factorization::close(int k, const PivotBlocks& blocks) {
-  const Symbolic::Pivot& p = symbolic_->pivot(k);
-  if (p.stride == 1) return;
-  double *lower = values_.data() + p.diagonal, *upper = values_.data() + p.upper;
-  for (std::int64_t i = 0; i < p.lower_scalars(); ++i) lower[i * p.stride] = blocks.diagonal[i];
-  for (std::int64_t i = 0; i < p.upper_scalars(); ++i) upper[i * p.stride] = blocks.upper[i];
-}
-
-/// Pivot k, or the group that it begins; nothing inside one.
-void Factorization::eliminate_from(int k, Outcome& outcome) {
-  if (group_[k] > 1) eliminate_group(k, group_[k], outcome);
-  else if (group_[k] == 1) eliminate_alone(k, outcome);
-}
-
-void Factorization::eliminate_alone(int k, Outcome& outcome) {
-  begin_alone(k, outcome);
-  const PivotBlocks blocks = open(k);
-  if (factorize_pivot(k, blocks, outcome)) eliminate(k, blocks, outcome);
-  close(k, blocks);
-}
-
-void Factorization::begin_alone(int k, Outcome& outcome) {
-  if (const int place = symbolic_->program().place(k); place >= 0)
-    packed_[place / simd::lanes] &= static_cast<std::uint8_t>(~(1u << place % simd::lanes));
-  if (keep_matrix_ && largest_entry_ > 0) outcome.growth = std::max(outcome.growth, largest_of(k) / largest_entry_);
-}
-
-/// Which row of the block ended at a place beyond its rank.
-int Factorization::original_row(int k, int place) const {
-  const int* exchange = row_exchange_.data() + first_row_[k];
-  for (int q = rank_[k] - 1; q >= 0; --q) {
-    if (place == exchange[q]) place = q;
-    else if (place == q) place = exchange[q];
-  }
-  return place;
-}
-
-void Factorization::drop_rows(int k, Outcome& outcome) {
-  const Symbolic::Pivot& p = symbolic_->pivot(k);
-  outcome.dropped_rows += p.dimension - rank_[k];
-  for (int m = rank_[k]; m < p.dimension; ++m) dropped_.push_back({p.node, original_row(k, m)});
-}
-
-bool Factorization::factorize_pivot(int k, const PivotBlocks& blocks, Outcome& outcome) {
-  if (share_.empty()) return factorize_one(k, blocks, outcome);
-  const Outcome before = outcome;
-  const bool regular = factorize_one(k, blocks, outcome);
-  share_[k] = {.inertia = {.positive = outcome.inertia.positive - before.inertia.positive,
-                           .negative = outcome.inertia.negative - before.inertia.negative,
-                           .zero = outcome.inertia.zero - before.inertia.zero},
-               .dropped_rows = outcome.dropped_rows - before.dropped_rows,
-               .boosts = outcome.boosts - before.boosts};
-  return regular;
-}
-
-bool Factorization::factorize_one(int k, const PivotBlocks& blocks, Outcome& outcome) {
-  const Symbolic::Pivot& p = symbolic_->pivot(k);
-  if (p.saddle && saddle_shift_ != 0 && kind_ != FactorizationKind::cholesky) shift_pivot(k, blocks.diagonal);
-  if (symmetric() && !starts_with_reference(k)) start_reference(k);
-  if (tracks_reference(k))
-    for (int i = 0; i < p.dimension; ++i) reference(k, i) = std::abs(reference(k, i));
-  rank_[k] = p.dimension;
-  const bool regular = symmetric() ? factorize_pivot_symmetric(k, blocks, outcome) : factorize_pivot_any(k, blocks, outcome);
-  if (!regular) outcome.first_bad_pivot = k;
-  ++outcome.pivots;
-  return regular;
-}
-
-/// LU of the diagonal block. Row exchanges suffice unless rows of a saddle block depend on earlier ones.
-bool Factorization::factorize_pivot_any(int k, const PivotBlocks& blocks, Outcome& outcome) {
-  const Symbolic::Pivot& p = symbolic_->pivot(k);
-  const int d = p.dimension, row = first_row_[k];
-  double* diagonal = blocks.diagonal;
-  const bool look_for_dependence = p.may_depend && saddle_shift_ == 0;  // a shifted block is regular
-  if (look_for_dependence) std::copy_n(diagonal, d * d, work_.data());
-  const double smallest = kernels_->factor(d)(diagonal, row_exchange_.data() + row, d);
-  outcome.operations += lu_operations(d);
-  double buffer[simd::largest_dimension];
-  const double* reference = look_for_dependence ? references(k, buffer) : nullptr;
-  if (look_for_dependence && !std::isnan(smallest) && !(smallest > dependent * *std::max_element(reference, reference + d))) {
-    std::copy_n(work_.data(), d * d, diagonal);
-    rank_[k] = factor_rank_revealing(diagonal, d, reference, dependent, row_exchange_.data() + row,
-                                     column_exchange_.data() + row, work_.data() + d * d);
-    outcome.operations += lu_operations(d);
-    if (!couples_later(k, blocks)) {
-      drop_rows(k, outcome);
-      return true;
-    }
-    if (!keep_matrix_) return false;  // boosting calls for refinement
-    outcome.boosts += d - rank_[k];
-    if (!boost(k, blocks, work_.data())) return false;
-    rank_[k] = d;
-    std::copy_n(work_.data(), d * d, diagonal);
-    return kernels_->factor(d)(diagonal, row_exchange_.data() + row, d) > 0;
-  }
-  return smallest > 0;
-}
-
-/// The blocks between the couplings lose L D^-1 U.
-void Factorization::eliminate(int k, const PivotBlocks& blocks, Outcome& outcome) {
-  const int couplings = static_cast<int>(symbolic_->coupled(k).size()), d = symbolic_->dimension(k);
-  if (couplings == 0) return;
-  if (may_be_spread(k) && in_rows(couplings, d)) spread_panel(k, blocks, 0, blocks.lower, d * d, 0, d);
-  else finish_panel(k, blocks);
-  outcome.operations += panel_operations(k);
-  update(k, blocks, 0, outcome);
-}
-
-/// What is above and below a factored block becomes what updates the blocks that follow by its product.
-void Factorization::finish_panel(int k, const PivotBlocks& blocks) const {
-  const Symbolic::Pivot& p = symbolic_->pivot(k);
-  if (is_halved(k)) halve_panel(k, blocks);
-  else solve_diagonal(k, blocks.diagonal, blocks.upper, p.coupled_rows, p.dimension);
-}
-
-std::int64_t Factorization::panel_operations(int k) const {
-  const std::int64_t d = symbolic_->dimension(k);
-  return (is_halved(k) ? d * (d + 1) / 2 : d * d) * symbolic_->pivot(k).coupled_rows;
-}
+std::span<const Factorization::DroppedRow> Factorization::dropped_rows() const { return impl_->dropped_rows(); }
+void Factorization::dependency(const DroppedRow& dropped, std::span<double> y) const { impl_->dependency(dropped, y); }
 
 }  // namespace graphsolve

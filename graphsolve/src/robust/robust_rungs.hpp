@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "factorization/side.hpp"
 #include "graphsolve/robust_solver.hpp"
 #include "robust/threshold_pivoting.hpp"
 
@@ -62,6 +63,7 @@ struct RobustSolver::Impl {
   [[nodiscard]] Impl& transposed();
 
   // robust_solver.cpp: columns.
+  Report solve_checked(std::span<const double> b, std::span<double> x, int columns, Side of);
   Report solve(const Columns& columns, Side of);
   Report solve_column(const Columns& columns, int c, Side of);
 

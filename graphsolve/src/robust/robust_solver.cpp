@@ -170,24 +170,24 @@ const Factorization::Outcome& RobustSolver::factorize() {
   return impl_->outcome;
 }
 
-RobustSolver::Report RobustSolver::solve(std::span<const double> b, std::span<double> x, int columns, Side side) {
-  Impl& s = *impl_;
+RobustSolver::Report RobustSolver::Impl::solve_checked(std::span<const double> b, std::span<double> x, int columns, Side of) {
   if (columns < 1)
     throw std::invalid_argument("there must be at least one right-hand side, not " + std::to_string(columns));
-  const std::size_t expected = s.rows() * static_cast<std::size_t>(columns);
+  const std::size_t expected = rows() * static_cast<std::size_t>(columns);
   if (b.size() != expected || x.size() != expected)
     throw std::invalid_argument("b has " + std::to_string(b.size()) + " numbers and x " + std::to_string(x.size()) +
                                 ", expected " + std::to_string(expected) + " in each");
-  if (s.factored != s.values) s.factorize();
-  return s.solve({b, x, columns, s.rows()}, side);
+  if (factored != values) factorize();
+  return solve({b, x, columns, rows()}, of);
 }
 
 RobustSolver::Report RobustSolver::solve(std::span<const double> b, std::span<double> x, int columns) {
-  return solve(b, x, columns, Side::plain);
+  return impl_->solve_checked(b, x, columns, Side::plain);
 }
 
 RobustSolver::Report RobustSolver::solve_transposed(std::span<const double> b, std::span<double> x, int columns) {
-  return solve(b, x, columns, impl_->options.kind == FactorizationKind::ldu ? Side::transposed : Side::plain);
+  const bool own = impl_->options.kind == FactorizationKind::ldu;
+  return impl_->solve_checked(b, x, columns, own ? Side::transposed : Side::plain);
 }
 
 }  // namespace graphsolve

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "graphsolve/factorization.hpp"
+#include "factorization/impl.hpp"
 #include "simd/program.hpp"
 
 /// What of a factorization takes part in a call.
@@ -10,7 +10,7 @@ namespace graphsolve {
 inline std::int64_t given_end(const simd::Program::Group& group, bool symmetric) { return symmetric ? group.upper : group.end; }
 
 template <class F>
-void Factorization::each_active_pivot(F&& f) const {
+void Factorization::Impl::each_active_pivot(F&& f) const {
   for (const int c : active_)
     for (int k = symbolic_->component_begin(c); k < symbolic_->component_begin(c + 1); ++k) f(k);
 }
@@ -18,7 +18,7 @@ void Factorization::each_active_pivot(F&& f) const {
 /// whole(group, begin, end) for ranges of the values that the user gives where all of the group takes part, of_pivot(k)
 /// elsewhere.
 template <class Whole, class OfPivot>
-void Factorization::each_extent(Whole&& whole, OfPivot&& of_pivot) const {
+void Factorization::Impl::each_extent(Whole&& whole, OfPivot&& of_pivot) const {
   const Symbolic& s = *symbolic_;
   const auto groups = s.program().groups();
   for (std::size_t g = 0; g < groups.size(); ++g) {
@@ -37,7 +37,7 @@ void Factorization::each_extent(Whole&& whole, OfPivot&& of_pivot) const {
 
 /// f(place) of every number of pivot k that the user gives.
 template <class F>
-void Factorization::each_given(int k, F&& f) const {
+void Factorization::Impl::each_given(int k, F&& f) const {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   for (std::int64_t i = 0; i < p.lower_scalars(); ++i) f(p.diagonal + i * p.stride);
   if (symmetric()) return;
@@ -45,7 +45,7 @@ void Factorization::each_given(int k, F&& f) const {
 }
 
 template <class F>
-void Factorization::each_row(int component, F&& f) const {
+void Factorization::Impl::each_row(int component, F&& f) const {
   for (int k = symbolic_->component_begin(component); k < symbolic_->component_begin(component + 1); ++k) {
     const Symbolic::Pivot& p = symbolic_->pivot(k);
     for (int i = p.row; i < p.row + p.dimension; ++i) f(i);
@@ -54,7 +54,7 @@ void Factorization::each_row(int component, F&& f) const {
 
 /// together(pack, lanes) and alone(pivot) for what takes part, in the order of the elimination or backward.
 template <class Together, class Alone>
-void Factorization::walk(bool backward, Together&& together, Alone&& alone) const {
+void Factorization::Impl::walk(bool backward, Together&& together, Alone&& alone) const {
   const simd::Program& program = symbolic_->program();
   const auto groups = program.groups();
   for (std::size_t g = 0; g < groups.size(); ++g) {

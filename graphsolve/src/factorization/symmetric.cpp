@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "factorization/block_inertia.hpp"
-#include "graphsolve/factorization.hpp"
+#include "factorization/impl.hpp"
 #include "factorization/kernels.hpp"
 #include "symbolic/operations.hpp"
 #include "factorization/rank_revealing.hpp"
@@ -34,7 +34,7 @@ void transpose(const double* from, double* to) {
 }  // namespace
 
 /// The panel below a definite block: P L^-T D^-1, and L^-1 P^T beside it, whose product updates what follows.
-void Factorization::halve_panel(int k, const PivotBlocks& blocks) const {
+void Factorization::Impl::halve_panel(int k, const PivotBlocks& blocks) const {
   const Symbolic& s = *symbolic_;
   const int d = s.dimension(k);
   const auto halve = kernels_->halve(d);
@@ -48,21 +48,21 @@ void Factorization::halve_panel(int k, const PivotBlocks& blocks) const {
 }
 
 /// Is the panel below this block of the kind that goes spread at once? What refactorize() applies again it needs whole.
-bool Factorization::may_be_spread(int k) const {
+bool Factorization::Impl::may_be_spread(int k) const {
   const int d = symbolic_->dimension(k);
   return is_halved(k) && share_.empty() && among_single_[k] && equal_[k] == d && d <= kernels::max_spread;
 }
 
 /// halve_panel from coupling `from` on. L^-1 P^T is not kept, but goes to rows [begin, begin + d) of the spread W; P L^-T D^-1 also
 /// to l, from block to block `next` apart.
-void Factorization::spread_panel(int k, const PivotBlocks& blocks, int from, double* l, std::ptrdiff_t next, int begin, int depth) {
+void Factorization::Impl::spread_panel(int k, const PivotBlocks& blocks, int from, double* l, std::ptrdiff_t next, int begin, int depth) {
   const int d = symbolic_->dimension(k), couplings = static_cast<int>(symbolic_->coupled(k).size());
   kernels_->halve_and_spreads[d - 1](blocks.diagonal, blocks.lower + from * d * d, l, next, spread_.data(), couplings - from, begin, depth);
   halved_[k] = Halved::and_spread;
 }
 
 /// U := P^T; the solve turns it into W.
-void Factorization::transpose_panel(int k, const PivotBlocks& blocks) const {
+void Factorization::Impl::transpose_panel(int k, const PivotBlocks& blocks) const {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
   const int d = p.dimension;
@@ -84,7 +84,7 @@ void Factorization::transpose_panel(int k, const PivotBlocks& blocks) const {
 }
 
 /// The kept matrix is whole, whatever the caller filled.
-void Factorization::mirror_matrix(int k) {
+void Factorization::Impl::mirror_matrix(int k) {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
   const int d = p.dimension;
@@ -104,7 +104,7 @@ void Factorization::mirror_matrix(int k) {
 }
 
 /// What the pivots of a block must be to do without exchanges.
-simd::Definite Factorization::definite(int k) const {
+simd::Definite Factorization::Impl::definite(int k) const {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const bool cholesky = kind_ == FactorizationKind::cholesky;
   const auto compared = starts_with_reference(k)   ? simd::Compared::with_reference
@@ -116,7 +116,7 @@ simd::Definite Factorization::definite(int k) const {
           .compared = compared};
 }
 
-bool Factorization::factorize_pivot_symmetric(int k, const PivotBlocks& blocks, Outcome& outcome) {
+bool Factorization::Impl::factorize_pivot_symmetric(int k, const PivotBlocks& blocks, Outcome& outcome) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const int d = p.dimension;
   double* diagonal = blocks.diagonal;
@@ -137,7 +137,7 @@ bool Factorization::factorize_pivot_symmetric(int k, const PivotBlocks& blocks, 
   return !cholesky && factorize_pivot_indefinite(k, blocks, outcome);
 }
 
-bool Factorization::factorize_pivot_indefinite(int k, const PivotBlocks& blocks, Outcome& outcome) {
+bool Factorization::Impl::factorize_pivot_indefinite(int k, const PivotBlocks& blocks, Outcome& outcome) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const int d = p.dimension, row = first_row_[k];
   double* diagonal = blocks.diagonal;
@@ -177,7 +177,7 @@ bool Factorization::factorize_pivot_indefinite(int k, const PivotBlocks& blocks,
 
 /// Adds to the diagonal entries of `block`, the pivot as it was, that rank-revealing pivoting left over. A row without entries of its own takes the
 /// size of its couplings; one without any couplings cannot be boosted.
-bool Factorization::boost(int k, const PivotBlocks& blocks, double* block) {
+bool Factorization::Impl::boost(int k, const PivotBlocks& blocks, double* block) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const int d = p.dimension;
   const double* upper = blocks.upper;

@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "symbolic/equal_couplings.hpp"
-#include "graphsolve/factorization.hpp"
+#include "factorization/impl.hpp"
 #include "factorization/kernels.hpp"
 
 /// Several pivots of a dense end eliminated together: what follows them is touched once, not once per pivot. Every number
@@ -10,7 +10,7 @@ namespace graphsolve {
 
 /// What the earlier members of the group, from `begin` on, take from the blocks of pivot k. L is the gathered panel of the
 /// group, `depth` deep, from the row of k on.
-void Factorization::update_member(int begin, int k, const double* l, int depth) {
+void Factorization::Impl::update_member(int begin, int k, const double* l, int depth) {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
   const int d = p.dimension, known = (k - begin) * d, m = p.end - p.begin;
@@ -35,7 +35,7 @@ void Factorization::update_member(int begin, int k, const double* l, int depth) 
 }
 
 /// The blocks between what is coupled to all of the group lose their part of L W.
-void Factorization::update_after(int begin, int size, const double* l, const double* spread_w) {
+void Factorization::Impl::update_after(int begin, int size, const double* l, const double* spread_w) {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& last = s.pivot(begin + size - 1);
   const int d = last.dimension, depth = size * d, m = last.end - last.begin;
@@ -57,7 +57,7 @@ void Factorization::update_after(int begin, int size, const double* l, const dou
 
 /// The panel of member r becomes part of the gathered L, block row after block row, each depth x d, and of the spread W. What the
 /// members behind it take from it stays where it is.
-void Factorization::gather_member(int begin, int r, int size, double* l) {
+void Factorization::Impl::gather_member(int begin, int r, int size, double* l) {
   const Symbolic& s = *symbolic_;
   const int k = begin + r, d = s.dimension(k), depth = size * d, inside = size - 1 - r;
   const int couplings = static_cast<int>(s.coupled(k).size());
@@ -76,7 +76,7 @@ void Factorization::gather_member(int begin, int r, int size, double* l) {
 }
 
 /// Pivots begin, ..., begin + size - 1, a group.
-void Factorization::eliminate_group(int begin, int size, Outcome& outcome) {
+void Factorization::Impl::eliminate_group(int begin, int size, Outcome& outcome) {
   const Symbolic& s = *symbolic_;
   const int d = s.dimension(begin), depth = size * d, couplings = static_cast<int>(s.coupled(begin).size());
   double* l = spread_.data() + kernels::spread_size(depth, couplings, d);

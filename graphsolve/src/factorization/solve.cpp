@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "factorization/factorization_active.hpp"
+#include "factorization/active.hpp"
 #include "factorization/kernels.hpp"
 #include "factorization/rank_revealing.hpp"
 #include "simd/pivot_kernels.hpp"
@@ -40,20 +40,20 @@ class Gathered {
 
 }  // namespace
 
-void Factorization::check_size(std::span<const double> x, int columns) const {
+void Factorization::Impl::check_size(std::span<const double> x, int columns) const {
   if (columns >= 0 && x.size() == static_cast<std::size_t>(symbolic_->rows()) * static_cast<std::size_t>(columns)) return;
   throw std::invalid_argument("right-hand side has " + std::to_string(x.size()) + " numbers, expected " +
                               std::to_string(symbolic_->rows()) + " rows x " + std::to_string(columns) + " columns");
 }
 
-void Factorization::check_components(std::span<const int> components) const {
+void Factorization::Impl::check_components(std::span<const int> components) const {
   for (const int c : components)
     if (c < 0 || c >= symbolic_->components())
       throw std::invalid_argument("there is no component " + std::to_string(c) + ", but 0 to " +
                                   std::to_string(symbolic_->components() - 1));
 }
 
-void Factorization::solve_diagonal(int k, const double* diagonal, double* x, int columns, std::ptrdiff_t stride) const {
+void Factorization::Impl::solve_diagonal(int k, const double* diagonal, double* x, int columns, std::ptrdiff_t stride) const {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const int row = first_row_[k];
   if (rank_[k] == p.dimension) {
@@ -64,11 +64,11 @@ void Factorization::solve_diagonal(int k, const double* diagonal, double* x, int
     solve_rank_deficient(diagonal, p.dimension, rank_[k], row_exchange_.data() + row, column_exchange_.data() + row, x, 1);
 }
 
-void Factorization::check_begun() const {
+void Factorization::Impl::check_begun() const {
   if (!begun_) throw std::logic_error("solve: factorize() comes first");
 }
 
-void Factorization::solve(std::span<double> x, int columns) const {
+void Factorization::Impl::solve(std::span<double> x, int columns) const {
   check_size(x, columns);
   check_begun();
   set_all_active();
@@ -77,9 +77,7 @@ void Factorization::solve(std::span<double> x, int columns) const {
     solve_active(x.data() + static_cast<std::ptrdiff_t>(c) * rows, std::min(some, columns - c));
 }
 
-void Factorization::solve_component(std::span<double> x, int component) const { solve_components(x, {&component, 1}); }
-
-void Factorization::solve_components(std::span<double> x, std::span<const int> components) const {
+void Factorization::Impl::solve_components(std::span<double> x, std::span<const int> components) const {
   check_size(x, 1);
   check_components(components);
   check_begun();
@@ -88,7 +86,7 @@ void Factorization::solve_components(std::span<double> x, std::span<const int> c
 }
 
 /// x_k := D^-1 x_k, or the first half of it, then the coupled rows lose L x_k. Columns only without packs, where they are `stride` apart.
-void Factorization::solve_forward(int k, double* x, int columns) const {
+void Factorization::Impl::solve_forward(int k, double* x, int columns) const {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
   const std::ptrdiff_t stride = s.rows();
@@ -115,7 +113,7 @@ void Factorization::solve_forward(int k, double* x, int columns) const {
 
 /// x_k loses D^-1 U times the coupled rows, or L^-1 P^T times them before it goes through the second half; where that is not kept
 /// (P L^-T D^-1)^T times them on the way.
-void Factorization::solve_backward(int k, double* x, int columns) const {
+void Factorization::Impl::solve_backward(int k, double* x, int columns) const {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
   const std::ptrdiff_t stride = s.rows();
@@ -143,7 +141,7 @@ void Factorization::solve_backward(int k, double* x, int columns) const {
 }
 
 /// The coupled rows lose W^T x_k.
-void Factorization::solve_forward_transposed(int k, double* x) const {
+void Factorization::Impl::solve_forward_transposed(int k, double* x) const {
   const Symbolic& s = *symbolic_;
   const int d = s.dimension(k);
   double buffer[simd::largest_factor];
@@ -158,7 +156,7 @@ void Factorization::solve_forward_transposed(int k, double* x) const {
 }
 
 /// x_k := D^-T (x_k - L^T times the coupled rows).
-void Factorization::solve_backward_transposed(int k, double* x) const {
+void Factorization::Impl::solve_backward_transposed(int k, double* x) const {
   const Symbolic& s = *symbolic_;
   const int d = s.dimension(k), row = first_row_[k];
   double buffer[simd::largest_factor];
@@ -180,7 +178,7 @@ void Factorization::solve_backward_transposed(int k, double* x) const {
 
 /// The kernel for runs of lanes of a pack that were made together, alone(pivot) for those between them.
 template <class Kernels, class Alone>
-void Factorization::solve_pack(int number, unsigned active, const Vectors& v, const Kernels& kernels, Alone&& alone) const {
+void Factorization::Impl::solve_pack(int number, unsigned active, const Vectors& v, const Kernels& kernels, Alone&& alone) const {
   const simd::Program& program = symbolic_->program();
   const simd::PivotPack& pack = program.pack(number);
   const auto together = [&](unsigned lanes) {
@@ -199,7 +197,7 @@ void Factorization::solve_pack(int number, unsigned active, const Vectors& v, co
 }
 
 /// The user's vector goes into lanes; without packs it is one already.
-Factorization::Vectors Factorization::enter(double* x) const {
+auto Factorization::Impl::enter(double* x) const -> Vectors {
   if (symbolic_->packs() == Packs::off) return {x, x};
   const simd::Program& program = symbolic_->program();
   double* lanes = lane_rows_.data();
@@ -215,19 +213,19 @@ Factorization::Vectors Factorization::enter(double* x) const {
 }
 
 /// The rows of a pivot that went by itself are final.
-void Factorization::leave(int k, const Vectors& v) const {
+void Factorization::Impl::leave(int k, const Vectors& v) const {
   if (v.x == v.result) return;
   const simd::RowPlace at = symbolic_->program().row_place(k);
   const int row = symbolic_->row(k);
   for (int i = 0; i < symbolic_->dimension(k); ++i) v.result[row + i] = v.x[at.first + i * at.stride];
 }
 
-void Factorization::forward_pack(int number, unsigned active, const Vectors& v) const {
+void Factorization::Impl::forward_pack(int number, unsigned active, const Vectors& v) const {
   solve_pack(number, active, v, solves_->forward, [&](int k) { solve_forward(k, v.x, 1); });
 }
 
 /// The second half of a solve.
-void Factorization::backward(const Vectors& v, int columns) const {
+void Factorization::Impl::backward(const Vectors& v, int columns) const {
   const auto& kernels = symmetric() ? solves_->backward_transposed : solves_->backward;
   const auto alone = [&](int k) {
     solve_backward(k, v.x, columns);
@@ -237,13 +235,13 @@ void Factorization::backward(const Vectors& v, int columns) const {
 }
 
 /// Several columns only without packs.
-void Factorization::solve_active(double* x, int columns) const {
+void Factorization::Impl::solve_active(double* x, int columns) const {
   const Vectors v = enter(x);
   walk(false, [&](int pack, unsigned active) { forward_pack(pack, active, v); }, [&](int k) { solve_forward(k, v.x, columns); });
   backward(v, columns);
 }
 
-Factorization::Outcome Factorization::factorize_and_solve(std::span<double> x) {
+Factorization::Outcome Factorization::Impl::factorize_and_solve(std::span<double> x) {
   check_size(x, 1);
   start_all();
   const Vectors v = enter(x.data());
@@ -252,7 +250,7 @@ Factorization::Outcome Factorization::factorize_and_solve(std::span<double> x) {
   return finish_all();
 }
 
-std::span<const Factorization::Outcome> Factorization::factorize_and_solve(std::span<const int> components, std::span<double> x) {
+std::span<const Factorization::Outcome> Factorization::Impl::factorize_and_solve(std::span<const int> components, std::span<double> x) {
   check_size(x, 1);
   start(components);
   const Vectors v = enter(x.data());
@@ -262,7 +260,7 @@ std::span<const Factorization::Outcome> Factorization::factorize_and_solve(std::
 }
 
 /// The symmetric kinds solve with A itself.
-void Factorization::solve_transposed(std::span<double> x, int columns) const {
+void Factorization::Impl::solve_transposed(std::span<double> x, int columns) const {
   if (symmetric()) return solve(x, columns);
   check_size(x, columns);
   check_begun();
@@ -271,7 +269,7 @@ void Factorization::solve_transposed(std::span<double> x, int columns) const {
 }
 
 /// Of an LDU.
-void Factorization::solve_transposed_active(double* x) const {
+void Factorization::Impl::solve_transposed_active(double* x) const {
   const Vectors v = enter(x);
   const auto forward = [&](int k) { solve_forward_transposed(k, v.x); };
   const auto backward = [&](int k) {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "graphsolve/factorization.hpp"
+#include "factorization/impl.hpp"
 #include "factorization/kernels.hpp"
 #include "factorization/rank_revealing.hpp"
 #include "simd/program.hpp"
@@ -12,7 +12,7 @@ namespace graphsolve {
 /// Do the rows left out of block k still couple to later pivots? Then they are not dependent, only early. What remains
 /// of a coupling is measured against the column it stands in, and against what it was made of: the row in the matrix,
 /// and between saddle blocks what was added to both diagonals. Of a block of rank 0 nothing but rounding remains.
-bool Factorization::couples_later(int k, const PivotBlocks& blocks) {
+bool Factorization::Impl::couples_later(int k, const PivotBlocks& blocks) {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
   const int d = p.dimension, row = first_row_[k];
@@ -39,12 +39,12 @@ bool Factorization::couples_later(int k, const PivotBlocks& blocks) {
 }
 
 /// Was this pivot made in a pack?
-bool Factorization::is_packed(int k) const {
+bool Factorization::Impl::is_packed(int k) const {
   const int place = symbolic_->program().place(k);
   return place >= 0 && (packed_[place / simd::lanes] >> place % simd::lanes & 1u) != 0;
 }
 
-void Factorization::dependency(const DroppedRow& dropped, std::span<double> y) const {
+void Factorization::Impl::dependency(const DroppedRow& dropped, std::span<double> y) const {
   const Symbolic& s = *symbolic_;
   std::fill(y.begin(), y.end(), 0.0);
   const int k = s.position(dropped.node);

@@ -3,13 +3,13 @@
 #include <cmath>
 #include <utility>
 
-#include "factorization/factorization_active.hpp"
+#include "factorization/active.hpp"
 #include "simd/pivot_kernels.hpp"
 
 /// Elimination along the program: up to eight equal pivots at a time.
 namespace graphsolve {
 
-void Factorization::set_active(std::span<const int> components) const {
+void Factorization::Impl::set_active(std::span<const int> components) const {
   const simd::Program& program = symbolic_->program();
   active_.assign(components.begin(), components.end());
   std::fill(lanes_.begin(), lanes_.end(), std::uint8_t{0});
@@ -19,9 +19,9 @@ void Factorization::set_active(std::span<const int> components) const {
   }
 }
 
-void Factorization::set_all_active() const { set_active(everything_); }
+void Factorization::Impl::set_all_active() const { set_active(everything_); }
 
-bool Factorization::takes_part(int pivot) const {
+bool Factorization::Impl::takes_part(int pivot) const {
   const simd::Program& program = symbolic_->program();
   const int c = symbolic_->component(symbolic_->node(pivot));
   return (lanes_[program.group_of(c)] & program.copy_bit(c)) != 0;
@@ -29,11 +29,11 @@ bool Factorization::takes_part(int pivot) const {
 
 /// What refactorize() applies again it applies pivot by pivot. The shift of a symmetric matrix is measured at every
 /// saddle block while it is updated.
-bool Factorization::in_packs() const {
+bool Factorization::Impl::in_packs() const {
   return symbolic_->packs() == Packs::on && share_.empty() && !(symmetric() && saddle_shift_ != 0);
 }
 
-void Factorization::alone_if_active(int k) {
+void Factorization::Impl::alone_if_active(int k) {
   if (!takes_part(k)) return;
   const int c = symbolic_->component(symbolic_->node(k));
   eliminate_from(k, outcomes_[c]);
@@ -41,7 +41,7 @@ void Factorization::alone_if_active(int k) {
 }
 
 /// From here on, in this call.
-void Factorization::leave_out(int component) {
+void Factorization::Impl::leave_out(int component) {
   const simd::Program& program = symbolic_->program();
   std::uint8_t& lanes = lanes_[program.group_of(component)];
   lanes = static_cast<std::uint8_t>(lanes & ~program.copy_bit(component));
@@ -49,7 +49,7 @@ void Factorization::leave_out(int component) {
 
 /// Outcomes by component, or what packs do all in the first. A component that has failed takes no further part. right: where
 /// given, goes through the forward half of its solve on the way.
-void Factorization::factorize_active(Count count, const Vectors* right) {
+void Factorization::Impl::factorize_active(Count count, const Vectors* right) {
   const Symbolic& s = *symbolic_;
   prepare();
   // A component by itself owns every lane: finding it by pivot, node and group was most of the time of counting.
@@ -84,14 +84,14 @@ void Factorization::factorize_active(Count count, const Vectors* right) {
 }
 
 /// The lanes of a pack. Returns those that have to go alone; if there are any, nothing was done.
-unsigned Factorization::eliminate_pack(int number, const simd::PackJob& job) const {
+unsigned Factorization::Impl::eliminate_pack(int number, const simd::PackJob& job) const {
   if (!symmetric()) return eliminations_->any[job.pack.kind](job);
   const auto watch = kind_ == FactorizationKind::cholesky ? simd::Watch::no : simd::Watch::yes;
   return eliminations_->symmetric[job.pack.kind](job, definite_[number], watch);
 }
 
 /// These lanes were done together. Usually they were the last time: nothing changes its place.
-void Factorization::note_packed(int number, unsigned lanes) {
+void Factorization::Impl::note_packed(int number, unsigned lanes) {
   const unsigned before = packed_[number];
   if ((before & lanes) == lanes) return;
   const simd::PivotPack& pack = symbolic_->program().pack(number);
@@ -104,7 +104,7 @@ void Factorization::note_packed(int number, unsigned lanes) {
   }
 }
 
-void Factorization::eliminate_together(int number, unsigned active, Outcome* all, const simd::PackNumbers& numbers) {
+void Factorization::Impl::eliminate_together(int number, unsigned active, Outcome* all, const simd::PackNumbers& numbers) {
   const simd::Program& program = symbolic_->program();
   const simd::PivotPack& pack = program.pack(number);
   if (keep_matrix_ && largest_entry_ > 0) measure_growth(pack, active);
@@ -116,7 +116,7 @@ void Factorization::eliminate_together(int number, unsigned active, Outcome* all
 
 /// Where some lanes have to go alone: runs of lanes between them. What several add to one block is added in the order of
 /// the pivots, in any company.
-void Factorization::eliminate_lanes(int number, unsigned active, unsigned other, Outcome* all, const simd::PackNumbers& numbers) {
+void Factorization::Impl::eliminate_lanes(int number, unsigned active, unsigned other, Outcome* all, const simd::PackNumbers& numbers) {
   const simd::Program& program = symbolic_->program();
   const simd::PivotPack& pack = program.pack(number);
   unsigned run = 0;
@@ -135,7 +135,7 @@ void Factorization::eliminate_lanes(int number, unsigned active, unsigned other,
 }
 
 /// Of the blocks of a pack before they are eliminated.
-void Factorization::measure_growth(const simd::PivotPack& pack, unsigned active) {
+void Factorization::Impl::measure_growth(const simd::PivotPack& pack, unsigned active) {
   const simd::Shape& shape = symbolic_->program().shape(pack);
   const int d = shape.dimension, lanes = pack.lanes;
   const double* v = values_.data() + pack.place;
@@ -158,7 +158,7 @@ void Factorization::measure_growth(const simd::PivotPack& pack, unsigned active)
   }
 }
 
-void Factorization::count_pack(const simd::PivotPack& pack, unsigned active, Outcome* all) {
+void Factorization::Impl::count_pack(const simd::PivotPack& pack, unsigned active, Outcome* all) {
   const Symbolic& s = *symbolic_;
   const simd::Shape& shape = s.program().shape(pack);
   const std::int64_t operations = symmetric() ? shape.symmetric_operations : shape.operations;
@@ -179,7 +179,7 @@ void Factorization::count_pack(const simd::PivotPack& pack, unsigned active, Out
 }
 
 /// Where the factor of a pivot can be read, one scalar after the other: with the values, or a copy.
-Factorization::PivotFactor Factorization::factor_of(int k, double* buffer) const {
+auto Factorization::Impl::factor_of(int k, double* buffer) const -> PivotFactor {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   if (p.stride == 1) return {values_.data() + p.diagonal, values_.data() + p.lower, values_.data() + p.upper};
   gather(k, buffer);

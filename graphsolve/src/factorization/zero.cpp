@@ -1,17 +1,17 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "factorization/factorization_active.hpp"
+#include "factorization/active.hpp"
 
 /// Zeros before new numbers are added.
 namespace graphsolve {
 
-void Factorization::set_zero() {
+void Factorization::Impl::set_zero() {
   for (const auto& group : symbolic_->program().groups())
     std::fill(values_.begin() + group.begin, values_.begin() + given_end(group, symmetric()), 0.0);
 }
 
-void Factorization::set_zero(std::span<const int> components) {
+void Factorization::Impl::set_zero(std::span<const int> components) {
   set_active(components);
   const auto zero = [&](std::int64_t begin, std::int64_t end) {
     std::fill(values_.begin() + begin, values_.begin() + end, 0.0);
@@ -26,7 +26,7 @@ void Factorization::set_zero(std::span<const int> components) {
 
 /// What is left between the blocks. Of interleaved ones all lanes have to be named: the last lane's has its end where
 /// that of all of them is.
-void Factorization::leave_unzeroed(std::span<const BlockHandle> blocks) {
+void Factorization::Impl::leave_unzeroed(std::span<const BlockHandle> blocks) {
   std::vector<BlockHandle> sorted(blocks.begin(), blocks.end());
   std::ranges::sort(sorted, {}, &BlockHandle::offset);
   const auto scalars = [](const BlockHandle& b) { return static_cast<std::int64_t>(b.rows) * b.columns * b.stride; };

@@ -4,12 +4,12 @@
 #include <stdexcept>
 #include <string>
 
-#include "factorization/factorization_active.hpp"
+#include "factorization/active.hpp"
 
 /// Factoring again where only some nodes changed.
 namespace graphsolve {
 
-void Factorization::allow_refactorization() {
+void Factorization::Impl::allow_refactorization() {
   const Symbolic& s = *symbolic_;
   allow_refinement();
   const int n = s.pivots();
@@ -30,7 +30,7 @@ void Factorization::allow_refactorization() {
 
 /// The changed nodes with their ancestors (Mark::redo), and the pivots outside that update them (Mark::apply), in the
 /// order of elimination: then every block receives its updates in the order of a whole factorization.
-void Factorization::collect_redone(std::span<const NodeId> changed) {
+void Factorization::Impl::collect_redone(std::span<const NodeId> changed) {
   const Symbolic& s = *symbolic_;
   queue_.clear();
   for (const NodeId node : changed)
@@ -48,7 +48,7 @@ void Factorization::collect_redone(std::span<const NodeId> changed) {
   std::sort(queue_.begin(), queue_.end());
 }
 
-void Factorization::restore(int k) {
+void Factorization::Impl::restore(int k) {
   if (symmetric()) mirror_matrix(k);
   each_given(k, [&](std::int64_t at) {
     values_[at] = matrix_[at];
@@ -58,7 +58,7 @@ void Factorization::restore(int k) {
 }
 
 /// What the redone pivots had added to the outcome is taken out of it.
-void Factorization::forget_redone(Outcome& outcome) {
+void Factorization::Impl::forget_redone(Outcome& outcome) {
   for (const int k : queue_) {
     if (mark_[k] != Mark::redo) continue;
     outcome.inertia.positive -= share_[k].inertia.positive;
@@ -70,7 +70,7 @@ void Factorization::forget_redone(Outcome& outcome) {
   std::erase_if(dropped_, [&](const DroppedRow& d) { return mark_[symbolic_->position(d.node)] == Mark::redo; });
 }
 
-Factorization::Outcome Factorization::refactorize(std::span<const NodeId> changed) {
+Factorization::Outcome Factorization::Impl::refactorize(std::span<const NodeId> changed) {
   if (share_.empty() || !keep_matrix_)
     throw std::logic_error("refactorize: allow_refactorization() and keep_matrix(true) come before factorize()");
   for (const NodeId node : changed)

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "symbolic/equal_couplings.hpp"
-#include "graphsolve/factorization.hpp"
+#include "factorization/impl.hpp"
 #include "factorization/kernels.hpp"
 
 /// What the elimination of one pivot does to the blocks between its couplings: nearly all of the work.
@@ -39,12 +39,12 @@ inline std::int64_t update_row(const kernels::Table& kernel, double* values, con
 
 }  // namespace
 
-void Factorization::remember_diagonal(const double* block, int d, int stride) {
+void Factorization::Impl::remember_diagonal(const double* block, int d, int stride) {
   for (int q = 0; q < d; ++q) work_[q] = block[q * (d + 1) * stride];
 }
 
 /// What was added to the diagonal of pivot k since remember_diagonal.
-void Factorization::note_added(int k, const double* block, int d, int stride) {
+void Factorization::Impl::note_added(int k, const double* block, int d, int stride) {
   for (int q = 0; q < d; ++q) {
     double& largest = reference(k, q);
     const double added = block[q * (d + 1) * stride] - work_[q];
@@ -53,13 +53,13 @@ void Factorization::note_added(int k, const double* block, int d, int stride) {
 }
 
 /// Numbers between so many couplings of one size that an elimination changes.
-std::int64_t Factorization::updated_scalars(std::int64_t couplings, std::int64_t rows) const {
+std::int64_t Factorization::Impl::updated_scalars(std::int64_t couplings, std::int64_t rows) const {
   return symmetric() ? rows * (rows * couplings * (couplings - 1) + couplings * (rows + 1)) / 2
                      : rows * rows * couplings * couplings;
 }
 
 /// The blocks between couplings `from`, from + 1, ... of pivot k lose L W; of symmetric ones the lower triangle.
-void Factorization::update(int k, const PivotBlocks& blocks, int from, Outcome& outcome) {
+void Factorization::Impl::update(int k, const PivotBlocks& blocks, int from, Outcome& outcome) {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
   const int d = p.dimension, m = p.end - p.begin;
@@ -96,7 +96,7 @@ void Factorization::update(int k, const PivotBlocks& blocks, int from, Outcome& 
 }
 
 /// update_row where some blocks lie interleaved with others: products into a block of their own first.
-std::int64_t Factorization::update_row_scattered(int k, int i, int from, const double* lower, const double* upper) {
+std::int64_t Factorization::Impl::update_row_scattered(int k, int i, int from, const double* lower, const double* upper) {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
   const int* coupled = s.coupled_.data() + p.begin;

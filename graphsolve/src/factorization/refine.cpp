@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "factorization/factorization_active.hpp"
+#include "factorization/active.hpp"
 #include "graphsolve/largest.hpp"
 #include "simd/pivot_kernels.hpp"
 #include "factorization/twice_precision.hpp"
@@ -19,7 +19,7 @@ constexpr int patience = 3;  ///< sweeps in a row that may bring nothing: the wo
 
 }  // namespace
 
-void Factorization::start_residual(std::span<const double> b, int component) {
+void Factorization::Impl::start_residual(std::span<const double> b, int component) {
   each_row(component, [&](int i) {
     residual_[i] = b[i];
     residual_low_[i] = 0;
@@ -29,7 +29,7 @@ void Factorization::start_residual(std::span<const double> b, int component) {
 
 /// take(block, its first row, rows, first column, columns) for the blocks of the kept matrix that belong to pivot k.
 template <class F>
-void Factorization::each_kept_block(int k, F&& take) const {
+void Factorization::Impl::each_kept_block(int k, F&& take) const {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
   take(matrix_.data() + p.diagonal, p.stride, p.row, p.dimension, p.row, p.dimension);
@@ -43,7 +43,7 @@ void Factorization::each_kept_block(int k, F&& take) const {
 }
 
 /// error_: the componentwise backward error.
-void Factorization::finish_residual(int component) {
+void Factorization::Impl::finish_residual(int component) {
   error_[component] = 0;
   each_row(component, [&](int i) {
     residual_[i] += residual_low_[i];
@@ -52,7 +52,7 @@ void Factorization::finish_residual(int component) {
 }
 
 /// residual_ = b - A x of the active components.
-void Factorization::residual(std::span<const double> b, std::span<const double> x) {
+void Factorization::Impl::residual(std::span<const double> b, std::span<const double> x) {
   const simd::Program& program = symbolic_->program();
   for (const int c : active_) start_residual(b, c);
   const auto subtract = [&](const double* block, int stride, int row, int rows, int column, int columns) {
@@ -76,7 +76,7 @@ void Factorization::residual(std::span<const double> b, std::span<const double> 
 }
 
 /// residual_ = b - A^T x of the active components: packs have no kernel for it.
-void Factorization::residual_transposed(std::span<const double> b, std::span<const double> x) {
+void Factorization::Impl::residual_transposed(std::span<const double> b, std::span<const double> x) {
   const auto subtract = [&](const double* block, int stride, int row, int rows, int column, int columns) {
     for (int j = column; j < column + columns; ++j)
       for (int i = row; i < row + rows; ++i, block += stride) {
@@ -93,7 +93,7 @@ void Factorization::residual_transposed(std::span<const double> b, std::span<con
 }
 
 /// The same of one component, in twice the precision.
-void Factorization::residual_twice(std::span<const double> b, std::span<const double> x, int component, Side side) {
+void Factorization::Impl::residual_twice(std::span<const double> b, std::span<const double> x, int component, Side side) {
   start_residual(b, component);
   const auto take = [&](int i, double entry, int j) {
     subtract_product(residual_[i], residual_low_[i], entry, x[j]);
@@ -109,21 +109,21 @@ void Factorization::residual_twice(std::span<const double> b, std::span<const do
   finish_residual(component);
 }
 
-Factorization::Refinement Factorization::refine(std::span<const double> b, std::span<double> x, int max_sweeps) {
+Factorization::Refinement Factorization::Impl::refine(std::span<const double> b, std::span<double> x, int max_sweeps) {
   return refine(b, x, everything_, max_sweeps, Side::plain);
 }
 
-Factorization::Refinement Factorization::refine(std::span<const double> b, std::span<double> x,
+Factorization::Refinement Factorization::Impl::refine(std::span<const double> b, std::span<double> x,
                                                 std::span<const int> components, int max_sweeps) {
   return refine(b, x, components, max_sweeps, Side::plain);
 }
 
 /// The symmetric kinds keep both triangles, which are equal.
-Factorization::Refinement Factorization::refine_transposed(std::span<const double> b, std::span<double> x, int max_sweeps) {
+Factorization::Refinement Factorization::Impl::refine_transposed(std::span<const double> b, std::span<double> x, int max_sweeps) {
   return refine(b, x, everything_, max_sweeps, symmetric() ? Side::plain : Side::transposed);
 }
 
-Factorization::Refinement Factorization::refine(std::span<const double> b, std::span<double> x,
+Factorization::Refinement Factorization::Impl::refine(std::span<const double> b, std::span<double> x,
                                                 std::span<const int> components, int max_sweeps, Side side) {
   if (matrix_.empty()) throw std::logic_error("refine: allow_refinement() and keep_matrix(true) come before factorize()");
   check_size(b, 1);

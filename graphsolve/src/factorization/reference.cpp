@@ -2,25 +2,25 @@
 #include <array>
 #include <cmath>
 
-#include "factorization/factorization_active.hpp"
+#include "factorization/active.hpp"
 
 /// What is remembered of a diagonal block while neighbours add to it: amounts that its pivots are compared with.
 namespace graphsolve {
 
 /// Is what neighbours add to the diagonal of this block remembered? Only where something is decided by it.
-bool Factorization::tracks_reference(int k) const {
+bool Factorization::Impl::tracks_reference(int k) const {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   return p.saddle && kind_ != FactorizationKind::cholesky && (p.may_depend || (saddle_shift_ != 0 && symmetric()));
 }
 
 /// Must the reference of this block be noted before the elimination begins? Else it is zero, or what stands on the diagonal
 /// when its turn comes, since nobody changes it.
-bool Factorization::starts_with_reference(int k) const {
+bool Factorization::Impl::starts_with_reference(int k) const {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   return tracks_reference(k) || (symmetric() && !p.leaf && (!p.saddle || kind_ == FactorizationKind::cholesky));
 }
 
-void Factorization::find_referenced() {
+void Factorization::Impl::find_referenced() {
   const auto steps = symbolic_->program().steps();
   const auto starts = [&](const simd::Program::Step& step) {
     return starts_with_reference(step.pack < 0 ? step.pivot : symbolic_->program().pack(step.pack).pivot[0]);
@@ -30,20 +30,20 @@ void Factorization::find_referenced() {
     if (starts(steps[i])) referenced_.push_back(static_cast<int>(i));
 }
 
-std::size_t Factorization::reference_place(int k, int row) const {
+std::size_t Factorization::Impl::reference_place(int k, int row) const {
   const simd::RowPlace at = symbolic_->program().row_place(k);
   return static_cast<std::size_t>(at.first) + static_cast<std::size_t>(row) * at.stride;
 }
 
 /// Side by side: in place, or a copy.
-const double* Factorization::references(int k, double* buffer) const {
+const double* Factorization::Impl::references(int k, double* buffer) const {
   const simd::RowPlace at = symbolic_->program().row_place(k);
   if (at.stride == 1) return reference_.data() + at.first;
   for (int i = 0; i < symbolic_->dimension(k); ++i) buffer[i] = reference_[at.first + i * at.stride];
   return buffer;
 }
 
-void Factorization::start_reference(int k) {
+void Factorization::Impl::start_reference(int k) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const bool tracked = tracks_reference(k), compared = symmetric() && (!p.saddle || kind_ == FactorizationKind::cholesky);
   const double* diagonal = values_.data() + p.diagonal;
@@ -53,7 +53,7 @@ void Factorization::start_reference(int k) {
 }
 
 /// The same of pivots in lanes.
-void Factorization::start_references(const simd::PivotPack& pack, unsigned active) {
+void Factorization::Impl::start_references(const simd::PivotPack& pack, unsigned active) {
   const Symbolic::Pivot& p = symbolic_->pivot(pack.pivot[0]);
   if (active != pack.used) {
     for (int l = 0; l < pack.lanes; ++l)
@@ -69,7 +69,7 @@ void Factorization::start_references(const simd::PivotPack& pack, unsigned activ
 }
 
 /// Largest entry of each row right of the diagonal block.
-void Factorization::start_panel_reference(int k) {
+void Factorization::Impl::start_panel_reference(int k) {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
   const int d = p.dimension;
@@ -96,7 +96,7 @@ void Factorization::start_panel_reference(int k) {
 }
 
 /// The same of pivots in lanes. What is fill in some of them is zero there, what is fill in all is left out.
-void Factorization::start_panel_references(const simd::PivotPack& pack) {
+void Factorization::Impl::start_panel_references(const simd::PivotPack& pack) {
   switch (pack.lanes) {
     case 8: return start_panel_references_of<8>(pack);
     case 4: return start_panel_references_of<4>(pack);
@@ -106,7 +106,7 @@ void Factorization::start_panel_references(const simd::PivotPack& pack) {
 }
 
 template <int Lanes>
-void Factorization::start_panel_references_of(const simd::PivotPack& pack) {
+void Factorization::Impl::start_panel_references_of(const simd::PivotPack& pack) {
   const simd::Shape& shape = symbolic_->program().shape(pack);
   const int d = shape.dimension;
   double* reference = panel_reference_.data() + pack.lane_rows;
@@ -128,7 +128,7 @@ void Factorization::start_panel_references_of(const simd::PivotPack& pack) {
   }
 }
 
-void Factorization::prepare() {
+void Factorization::Impl::prepare() {
   if (keep_matrix_) keep();
   // With a shift all saddle blocks of a symmetric matrix have one.
   if (symmetric() && saddle_shift_ != 0) return each_active_pivot([&](int k) { start_reference(k); });
@@ -148,7 +148,7 @@ void Factorization::prepare() {
   }
 }
 
-void Factorization::shift_pivot(int k, double* diagonal) {
+void Factorization::Impl::shift_pivot(int k, double* diagonal) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const bool tracked = tracks_reference(k);
   for (int i = 0; i < p.dimension; ++i) {

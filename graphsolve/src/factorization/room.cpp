@@ -4,14 +4,14 @@
 #include <string>
 
 #include "symbolic/equal_couplings.hpp"
-#include "graphsolve/factorization.hpp"
+#include "factorization/impl.hpp"
 #include "factorization/kernels.hpp"
 #include "simd/pivot_kernels.hpp"
 
 /// What a factorization sets aside before the first number comes.
 namespace graphsolve {
 
-Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, FactorizationKind kind)
+Factorization::Impl::Impl(std::shared_ptr<const Symbolic> symbolic, FactorizationKind kind)
     : symbolic_(std::move(symbolic)), kind_(kind), kernels_(&kernels::table()),
       eliminations_(&simd::eliminations()), solves_(&simd::solves()) {
   if (!symbolic_) throw std::invalid_argument("a factorization needs a symbolic one, not a null pointer");
@@ -62,7 +62,7 @@ Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, Factoriza
   make_room_for_packs();
 }
 
-void Factorization::make_room_for_packs() {
+void Factorization::Impl::make_room_for_packs() {
   const Symbolic& s = *symbolic_;
   const simd::Program& program = s.program();
   lanes_.assign(program.groups().size(), 0);
@@ -85,19 +85,9 @@ void Factorization::make_room_for_packs() {
   target_.assign(static_cast<std::size_t>(block) * block, 0.0);
 }
 
-Factorization::~Factorization() = default;
-Factorization::Factorization(Factorization&&) noexcept = default;
-Factorization& Factorization::operator=(Factorization&&) noexcept = default;
-
-Factorization Factorization::twin() const {
-  Factorization other(symbolic_, kind_);
-  other.saddle_shift_ = saddle_shift_;
-  return other;
-}
-
 /// What is as large as the matrix or its rows is only set aside: pages that nobody touches cost no memory, and most solves
 /// are never refined.
-void Factorization::allow_refinement() {
+void Factorization::Impl::allow_refinement() {
   matrix_.reserve(values_.size());
   for (auto* v : {&residual_, &residual_low_, &magnitude_, &best_}) v->reserve(symbolic_->rows());
   error_.assign(symbolic_->components(), 0.0);

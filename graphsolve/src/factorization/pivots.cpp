@@ -1,0 +1,236 @@
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "symbolic/equal_couplings.hpp"
+#include "factorization/active.hpp"
+#include "factorization/kernels.hpp"
+#include "symbolic/operations.hpp"
+#include "factorization/rank_revealing.hpp"
+#include "simd/pivot_kernels.hpp"
+
+namespace graphsolve {
+
+using simd::dependent;
+
+Factorization::Outcome Factorization::Impl::factorize() {
+  start_all();
+  factorize_active(Count::together);
+  return finish_all();
+}
+
+void Factorization::Impl::start_all() {
+  begun_ = true;
+  dropped_.clear();
+  set_all_active();
+  std::fill(outcomes_.begin(), outcomes_.end(), Outcome{});
+}
+
+Factorization::Outcome Factorization::Impl::finish_all() {
+  Outcome outcome;
+  for (const Outcome& part : outcomes_) {
+    outcome.dropped_rows += part.dropped_rows;
+    outcome.boosts += part.boosts;
+    outcome.inertia.positive += part.inertia.positive;
+    outcome.inertia.negative += part.inertia.negative;
+    outcome.inertia.zero += part.inertia.zero;
+    outcome.operations += part.operations;
+    outcome.pivots += part.pivots;
+    outcome.growth = std::max(outcome.growth, part.growth);
+    if (outcome.ok()) outcome.first_bad_pivot = part.first_bad_pivot;
+  }
+  total_ = outcome;
+  complete_ = keep_matrix_ && outcome.ok();
+  return outcome;
+}
+
+std::span<const Factorization::Outcome> Factorization::Impl::factorize(std::span<const int> components) {
+  start(components);
+  factorize_active(Count::each);
+  return outcomes_;
+}
+
+void Factorization::Impl::start(std::span<const int> components) {
+  begun_ = true;
+  check_components(components);
+  const Symbolic& s = *symbolic_;
+  set_active(components);
+  if (!dropped_.empty())
+    std::erase_if(dropped_, [&](const DroppedRow& d) { return std::ranges::find(components, s.component(d.node)) != components.end(); });
+  for (const int c : components) outcomes_[c] = {};
+  complete_ = false;
+}
+
+/// Copies the matrix before it is overwritten.
+void Factorization::Impl::keep() {
+  assert(matrix_.capacity() >= values_.size() && "allow_refinement() before keep_matrix(true)");
+  matrix_.resize(values_.size());
+  double largest = 0;
+  const auto copy = [&](std::int64_t at) {
+    matrix_[at] = values_[at];
+    largest = std::max(largest, std::abs(values_[at]));
+  };
+  each_extent(
+      [&](std::size_t, std::int64_t begin, std::int64_t end) {
+        for (auto i = begin; i < end; ++i) copy(i);
+      },
+      [&](int k) { each_given(k, copy); });
+  largest_entry_ = largest;
+  if (symmetric()) each_active_pivot([&](int k) { mirror_matrix(k); });
+}
+
+/// Largest entry of the blocks of a pivot, which no other pivot changes any more.
+double Factorization::Impl::largest_of(int k) const {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  const int d = p.dimension;
+  double largest = 0;
+  const auto take = [&](const double* block, std::int64_t begin, std::int64_t end) {
+    for (auto i = begin; i < end; ++i) largest = std::max(largest, std::abs(block[i * p.stride]));
+  };
+  // The upper triangle of a symmetric matrix is not kept up.
+  for (int j = 0; j < d; ++j) take(values_.data() + p.diagonal, j * d + (symmetric() ? j : 0), (j + 1) * d);
+  take(values_.data() + p.lower, 0, p.upper_scalars());
+  if (!symmetric()) take(values_.data() + p.upper, 0, p.upper_scalars());
+  return largest;
+}
+
+/// The blocks of a pivot, one scalar after the other: in place, or a copy.
+auto Factorization::Impl::open(int k) -> PivotBlocks {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  if (p.stride == 1) return {values_.data() + p.diagonal, values_.data() + p.lower, values_.data() + p.upper};
+  double* to = opened_.data();
+  gather(k, to);
+  return {to, to + p.dimension * p.dimension, to + p.lower_scalars()};
+}
+
+/// Diagonal block, blocks below, blocks to the right.
+void Factorization::Impl::gather(int k, double* to) const {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  const double *lower = values_.data() + p.diagonal, *upper = values_.data() + p.upper;
+  for (std::int64_t i = 0; i < p.lower_scalars(); ++i) *to++ = lower[i * p.stride];
+  for (std::int64_t i = 0; i < p.upper_scalars(); ++i) *to++ = upper[i * p.stride];
+}
+
+void Factorization::Impl::close(int k, const PivotBlocks& blocks) {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  if (p.stride == 1) return;
+  double *lower = values_.data() + p.diagonal, *upper = values_.data() + p.upper;
+  for (std::int64_t i = 0; i < p.lower_scalars(); ++i) lower[i * p.stride] = blocks.diagonal[i];
+  for (std::int64_t i = 0; i < p.upper_scalars(); ++i) upper[i * p.stride] = blocks.upper[i];
+}
+
+/// Pivot k, or the group that it begins; nothing inside one.
+void Factorization::Impl::eliminate_from(int k, Outcome& outcome) {
+  if (group_[k] > 1) eliminate_group(k, group_[k], outcome);
+  else if (group_[k] == 1) eliminate_alone(k, outcome);
+}
+
+void Factorization::Impl::eliminate_alone(int k, Outcome& outcome) {
+  begin_alone(k, outcome);
+  const PivotBlocks blocks = open(k);
+  if (factorize_pivot(k, blocks, outcome)) eliminate(k, blocks, outcome);
+  close(k, blocks);
+}
+
+void Factorization::Impl::begin_alone(int k, Outcome& outcome) {
+  if (const int place = symbolic_->program().place(k); place >= 0)
+    packed_[place / simd::lanes] &= static_cast<std::uint8_t>(~(1u << place % simd::lanes));
+  if (keep_matrix_ && largest_entry_ > 0) outcome.growth = std::max(outcome.growth, largest_of(k) / largest_entry_);
+}
+
+/// Which row of the block ended at a place beyond its rank.
+int Factorization::Impl::original_row(int k, int place) const {
+  const int* exchange = row_exchange_.data() + first_row_[k];
+  for (int q = rank_[k] - 1; q >= 0; --q) {
+    if (place == exchange[q]) place = q;
+    else if (place == q) place = exchange[q];
+  }
+  return place;
+}
+
+void Factorization::Impl::drop_rows(int k, Outcome& outcome) {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  outcome.dropped_rows += p.dimension - rank_[k];
+  for (int m = rank_[k]; m < p.dimension; ++m) dropped_.push_back({p.node, original_row(k, m)});
+}
+
+bool Factorization::Impl::factorize_pivot(int k, const PivotBlocks& blocks, Outcome& outcome) {
+  if (share_.empty()) return factorize_one(k, blocks, outcome);
+  const Outcome before = outcome;
+  const bool regular = factorize_one(k, blocks, outcome);
+  share_[k] = {.inertia = {.positive = outcome.inertia.positive - before.inertia.positive,
+                           .negative = outcome.inertia.negative - before.inertia.negative,
+                           .zero = outcome.inertia.zero - before.inertia.zero},
+               .dropped_rows = outcome.dropped_rows - before.dropped_rows,
+               .boosts = outcome.boosts - before.boosts};
+  return regular;
+}
+
+bool Factorization::Impl::factorize_one(int k, const PivotBlocks& blocks, Outcome& outcome) {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  if (p.saddle && saddle_shift_ != 0 && kind_ != FactorizationKind::cholesky) shift_pivot(k, blocks.diagonal);
+  if (symmetric() && !starts_with_reference(k)) start_reference(k);
+  if (tracks_reference(k))
+    for (int i = 0; i < p.dimension; ++i) reference(k, i) = std::abs(reference(k, i));
+  rank_[k] = p.dimension;
+  const bool regular = symmetric() ? factorize_pivot_symmetric(k, blocks, outcome) : factorize_pivot_any(k, blocks, outcome);
+  if (!regular) outcome.first_bad_pivot = k;
+  ++outcome.pivots;
+  return regular;
+}
+
+/// LU of the diagonal block. Row exchanges suffice unless rows of a saddle block depend on earlier ones.
+bool Factorization::Impl::factorize_pivot_any(int k, const PivotBlocks& blocks, Outcome& outcome) {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  const int d = p.dimension, row = first_row_[k];
+  double* diagonal = blocks.diagonal;
+  const bool look_for_dependence = p.may_depend && saddle_shift_ == 0;  // a shifted block is regular
+  if (look_for_dependence) std::copy_n(diagonal, d * d, work_.data());
+  const double smallest = kernels_->factor(d)(diagonal, row_exchange_.data() + row, d);
+  outcome.operations += lu_operations(d);
+  double buffer[simd::largest_dimension];
+  const double* reference = look_for_dependence ? references(k, buffer) : nullptr;
+  if (look_for_dependence && !std::isnan(smallest) && !(smallest > dependent * *std::max_element(reference, reference + d))) {
+    std::copy_n(work_.data(), d * d, diagonal);
+    rank_[k] = factor_rank_revealing(diagonal, d, reference, dependent, row_exchange_.data() + row,
+                                     column_exchange_.data() + row, work_.data() + d * d);
+    outcome.operations += lu_operations(d);
+    if (!couples_later(k, blocks)) {
+      drop_rows(k, outcome);
+      return true;
+    }
+    if (!keep_matrix_) return false;  // boosting calls for refinement
+    outcome.boosts += d - rank_[k];
+    if (!boost(k, blocks, work_.data())) return false;
+    rank_[k] = d;
+    std::copy_n(work_.data(), d * d, diagonal);
+    return kernels_->factor(d)(diagonal, row_exchange_.data() + row, d) > 0;
+  }
+  return smallest > 0;
+}
+
+/// The blocks between the couplings lose L D^-1 U.
+void Factorization::Impl::eliminate(int k, const PivotBlocks& blocks, Outcome& outcome) {
+  const int couplings = static_cast<int>(symbolic_->coupled(k).size()), d = symbolic_->dimension(k);
+  if (couplings == 0) return;
+  if (may_be_spread(k) && in_rows(couplings, d)) spread_panel(k, blocks, 0, blocks.lower, d * d, 0, d);
+  else finish_panel(k, blocks);
+  outcome.operations += panel_operations(k);
+  update(k, blocks, 0, outcome);
+}
+
+/// What is above and below a factored block becomes what updates the blocks that follow by its product.
+void Factorization::Impl::finish_panel(int k, const PivotBlocks& blocks) const {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  if (is_halved(k)) halve_panel(k, blocks);
+  else solve_diagonal(k, blocks.diagonal, blocks.upper, p.coupled_rows, p.dimension);
+}
+
+std::int64_t Factorization::Impl::panel_operations(int k) const {
+  const std::int64_t d = symbolic_->dimension(k);
+  return (is_halved(k) ? d * (d + 1) / 2 : d * d) * symbolic_->pivot(k).coupled_rows;
+}
+
+}  // namespace graphsolve

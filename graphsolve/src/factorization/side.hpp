@@ -1,0 +1,7 @@
+#pragma once
+
+namespace graphsolve {
+
+enum class Side { plain, transposed };  ///< A x = b or A^T x = b
+
+}  // namespace graphsolve
