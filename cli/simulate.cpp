@@ -112,6 +112,7 @@ physics::Simulator make_simulator(const SceneSource& source, const Options& opti
   physics::SimulatorSettings settings;
   settings.tolerance = options.tolerance;
   settings.time_phases = true;
+  settings.count_turns = !options.out.empty();
   try {
     return physics::Simulator(source.trajectory.mechanism, settings);
   } catch (const DescriptionError& error) {

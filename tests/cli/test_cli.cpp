@@ -132,6 +132,19 @@ TEST_F(Cli, WritesCsv) {
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5);
 }
 
+TEST_F(Cli, WritesJointCoordinatesThatCountTurns) {
+  // A wheel on a hinge turns at 10 rad/s for 2 s.
+  write("wheel.toml", "format = \"graphsolve-scene\"\nversion = 1\ntime_step = 0.01\n[[bodies]]\nname = \"w\"\nmass = 1\n"
+                      "inertia = [1, 1, 1]\nangular_velocity = [0, 0, 10]\n"
+                      "[[joints]]\nname = \"hub\"\ntype = \"revolute\"\nparent = \"world\"\nchild = \"w\"\naxis = [0, 0, 1]\n");
+  ASSERT_EQ(run("simulate wheel.toml --duration 2 --out t.json").code, 0);
+  const auto last = read_scene(path("t.json")).steps.back().joints[0];
+  EXPECT_NEAR(*last.coordinate, 20, 0.05);
+  EXPECT_NEAR(*last.rate, 10, 0.02);
+  ASSERT_EQ(run("simulate t.json --from 100 --steps 100 --out u.json").code, 0);
+  EXPECT_NEAR(*read_scene(path("u.json")).steps.back().joints[0].coordinate, *last.coordinate, 1e-9);
+}
+
 TEST_F(Cli, SimulatesATrajectoryAgainForItsRecordedLength) {
   ASSERT_EQ(run("simulate snake:n=3 --steps 37 --out a.json").code, 0);
   ASSERT_EQ(run("simulate a.json --out b.json").code, 0);

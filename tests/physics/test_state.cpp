@@ -40,6 +40,8 @@ void expect_same(const StepRecord& found, const StepRecord& expected, double tol
     expect_near(a.torque, b.torque, tolerance);
     EXPECT_EQ(a.error, b.error);
     EXPECT_EQ(a.effort, b.effort);
+    EXPECT_EQ(a.coordinate, b.coordinate);
+    EXPECT_EQ(a.rate, b.rate);
   }
   ASSERT_TRUE(found.solver && expected.solver);
   EXPECT_EQ(found.solver->status, expected.solver->status);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "physics/simulator.hpp"
@@ -54,6 +55,8 @@ class BatchSimulator {
   /// The same where the last step began, which that step has looked at anyway.
   [[nodiscard]] double smallest_distance_before(int lane) const;
   [[nodiscard]] double largest_joint_error(int lane) const;
+  [[nodiscard]] std::optional<double> joint_coordinate(int lane, int joint) const;
+  [[nodiscard]] std::optional<double> joint_rate(int lane, int joint) const;
   [[nodiscard]] double energy(int lane) const;
   [[nodiscard]] double start_correction(int lane) const;
   [[nodiscard]] Vec3 linear_momentum(int lane) const;

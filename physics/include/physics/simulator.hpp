@@ -22,6 +22,7 @@ struct SimulatorSettings {
   std::optional<Start> start;                    ///< instead of the scene's
   bool merge_fixed_joints = true;  ///< bodies held by a fixed joint become one (false: keep the joint force)
   bool cull_contacts = true;       ///< leave out contacts that cannot be reached in this step
+  bool count_turns = false;        ///< of hinges without a motor too: see Simulator::joint_coordinate
   int max_substeps = 16;           ///< a step that fails is tried again in 2, 4, ... up to this many
   bool time_phases = false;        ///< fill PhaseTimes: a step of a few bodies takes 3 % longer with the clock read
 };
@@ -89,8 +90,9 @@ class Simulator {
   /// After a failed step: where the solver got stuck, "joint 'knee' (residual 0.02 m/s)".
   [[nodiscard]] std::string failure_place() const;
 
-  /// Continues from a record of this scene (always `standard`). Throws DescriptionError when it is none. How often the
-  /// hinge of a motor has turned is found from its effort; a motor at its limit is taken to lag by less than a turn.
+  /// Continues from a record of this scene (always `standard`). Throws DescriptionError when it is none. How often a hinge
+  /// has turned is told by its coordinate in the record; without one, of a motor by its effort: at its limit it is taken to
+  /// lag by less than a turn.
   void restart_from(const StepRecord& record);
 
   /// Fills a record of the present state; for record 0 forces are zero.
@@ -104,6 +106,15 @@ class Simulator {
   // Figures of the present state, without allocation.
   [[nodiscard]] double smallest_distance() const;     ///< over all contacts [m]; +inf without any
   [[nodiscard]] double largest_joint_error() const;   ///< [m, rad]
+  /// Of a revolute [rad] or prismatic [m] joint, by its index in the Mechanism. Zero where the child has its orientation at
+  /// rest, or the two points meet; grows as the child turns about the axis, or moves along it, from the parent's view: what
+  /// motors and start.JOINT.angle count. A revolute joint with a motor, or any with SimulatorSettings::count_turns, counts
+  /// full turns from the start, as long as no step turns it by half of one; else it is told from -pi to pi. Empty for
+  /// other joints, and for one between bodies that fixed joints hold together. Throws std::out_of_range.
+  [[nodiscard]] std::optional<double> joint_coordinate(int joint) const;
+  /// Its change in the last step, or the last substep, over the length of that: what the damping of a motor answers to. At
+  /// a half_kick start that of the velocities given.
+  [[nodiscard]] std::optional<double> joint_rate(int joint) const;
   /// Energy at the previous pose: mean of the kinetic energies of the two steps around it, plus potential [J].
   [[nodiscard]] double energy() const;
   [[nodiscard]] Vec3 linear_momentum() const;   ///< [N s]

@@ -142,6 +142,14 @@ double BatchSimulator::largest_joint_error(int lane) const {
   const auto [stepper, own] = impl_->at(lane);
   return stepper.largest_joint_error(own);
 }
+std::optional<double> BatchSimulator::joint_coordinate(int lane, int joint) const {
+  const auto [stepper, own] = impl_->at(lane);
+  return stepper.joint_coordinate(own, joint);
+}
+std::optional<double> BatchSimulator::joint_rate(int lane, int joint) const {
+  const auto [stepper, own] = impl_->at(lane);
+  return stepper.joint_rate(own, joint);
+}
 double BatchSimulator::energy(int lane) const {
   const auto [stepper, own] = impl_->at(lane);
   return stepper.energy(own);

@@ -33,6 +33,8 @@ JointRecord read_joint(const Json& json) {
   record.torque = vec3(object.required("torque"));
   if (const Json* error = object.optional("error")) record.error = number(*error);
   if (const Json* effort = object.optional("effort")) record.effort = number(*effort);
+  if (const Json* coordinate = object.optional("coordinate")) record.coordinate = number(*coordinate);
+  if (const Json* rate = object.optional("rate")) record.rate = number(*rate);
   object.finish();
   return record;
 }

@@ -19,7 +19,7 @@ std::string cell(const std::string& text) {
 
 constexpr std::array of_body{"x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz"};
 constexpr std::array of_contact{"distance", "normal_force", "friction_x", "friction_y", "friction_z"};
-constexpr std::array of_joint{"fx", "fy", "fz", "tx", "ty", "tz", "error", "effort"};
+constexpr std::array of_joint{"fx", "fy", "fz", "tx", "ty", "tz", "error", "effort", "coordinate", "rate"};
 
 void add_names(std::string& row, const std::string& thing, std::span<const char* const> keys) {
   for (const char* key : keys) row += ',' + cell(fmt::format("{}.{}", thing, key));
@@ -61,7 +61,7 @@ std::string csv_row(const StepRecord& record, const Mechanism& mechanism) {
     add(row, joint.force);
     add(row, joint.torque);
     add(row, joint.error);
-    joint.effort ? add(row, *joint.effort) : row.push_back(',');
+    for (const auto& value : {joint.effort, joint.coordinate, joint.rate}) value ? add(row, *value) : row.push_back(',');
   }
   row.append(of_joint.size() * (mechanism.joints.size() - record.joints.size()), ',');
   if (const auto& solver = record.solver) {

@@ -214,6 +214,8 @@ Json to_json(const ContactRecord& contact) {
 Json to_json(const JointRecord& joint) {
   Json json{{"force", to_json(joint.force)}, {"torque", to_json(joint.torque)}, {"error", joint.error}};
   if (joint.effort) json["effort"] = *joint.effort;
+  if (joint.coordinate) json["coordinate"] = *joint.coordinate;
+  if (joint.rate) json["rate"] = *joint.rate;
   return json;
 }
 

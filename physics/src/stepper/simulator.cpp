@@ -53,6 +53,9 @@ void check_record(const Mechanism& mechanism, const StepRecord& record) {
       throw DescriptionError(fmt::format("record {}: body '{}' has a value that is not finite or a quaternion that is "
                                          "not a unit one", record.step, mechanism.bodies[k].name));
   }
+  for (std::size_t k = 0; k < record.joints.size(); ++k)
+    if (record.joints[k].coordinate && !std::isfinite(*record.joints[k].coordinate))
+      throw DescriptionError(fmt::format("record {}: the coordinate of joint {} is not finite", record.step, k));
   if (record.contacts.size() != mechanism.contacts.size()) return;
   for (std::size_t k = 0; k < record.contacts.size(); ++k) check_contact(record, mechanism.contacts[k], record.contacts[k]);
 }
@@ -83,8 +86,9 @@ void Simulator::restart_from(const StepRecord& record) {
     s.contacts->load_record(only, record.contacts, lane.state.time_step);
   for (int k = 0; record.joints.size() == lane.mechanism.joints.size() && k < s.joints_per_lane; ++k) {
     const int j = s.joint(only, k);
-    const auto& effort = record.joints[s.joints.geometry(j).source].effort;
-    if (effort) s.joints.find_turn(j, *effort, record.time, s.unknowns);
+    const JointRecord& joint = record.joints[s.joints.geometry(j).source];
+    if (joint.coordinate) s.joints.set_turn(j, *joint.coordinate);
+    else if (joint.effort) s.joints.find_turn(j, *joint.effort, record.time, s.unknowns);
   }
   lane.set_time(record.step, record.time);
   lane.last = {};
@@ -100,6 +104,8 @@ const Mechanism& Simulator::mechanism() const { return impl_->lanes[only].mechan
 double Simulator::start_correction() const { return impl_->lanes[only].start_correction; }
 double Simulator::smallest_distance() const { return impl_->contacts->smallest_distance(only); }
 double Simulator::largest_joint_error() const { return impl_->largest_joint_error(only); }
+std::optional<double> Simulator::joint_coordinate(int joint) const { return impl_->joint_coordinate(only, joint); }
+std::optional<double> Simulator::joint_rate(int joint) const { return impl_->joint_rate(only, joint); }
 double Simulator::energy() const { return impl_->energy(only); }
 Vec3 Simulator::linear_momentum() const { return impl_->linear_momentum(only); }
 Vec3 Simulator::angular_momentum() const { return impl_->angular_momentum(only); }

@@ -236,7 +236,7 @@ void Stepper::commit(std::span<const int> moved, double h) {
     s.time_step = h;
     s.half_kick = false;
     s.solved_for = true;
-    for (int k = 0; joints.any_motor() && k < joints_per_lane; ++k) joints.commit(joint(lane, k));
+    for (int k = 0; joints.keeps_coordinates() && k < joints_per_lane; ++k) joints.commit(joint(lane, k));
   }
 }
 
@@ -246,7 +246,7 @@ void Stepper::save(std::span<const int> saved) {
     lanes[lane].saved_state = lanes[lane].state;
     const auto of_joints = impulses(lane);
     std::ranges::copy(of_joints, saved_impulses.begin() + lane * std::ssize(of_joints));
-    for (int k = 0; joints.any_motor() && k < joints_per_lane; ++k) joints.save(joint(lane, k));
+    for (int k = 0; joints.keeps_coordinates() && k < joints_per_lane; ++k) joints.save(joint(lane, k));
   }
 }
 

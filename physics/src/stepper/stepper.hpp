@@ -98,6 +98,8 @@ struct Stepper {
   // Reports on one lane.
   [[nodiscard]] double energy(int lane) const;
   [[nodiscard]] double largest_joint_error(int lane) const;
+  [[nodiscard]] std::optional<double> joint_coordinate(int lane, int described) const;
+  [[nodiscard]] std::optional<double> joint_rate(int lane, int described) const;
   [[nodiscard]] Vec3 linear_momentum(int lane) const;
   [[nodiscard]] Vec3 angular_momentum(int lane) const;
   [[nodiscard]] std::string failure_place(int lane) const;
@@ -143,6 +145,8 @@ struct Stepper {
   void start(int lane, Assembly& assembly);
   void check_start(int lane) const;
   void check_structure(const Mechanism& scene, const Assembly& assembly) const;
+  [[nodiscard]] std::optional<int> find_coordinate(int lane, int described) const;
+  [[nodiscard]] double step_before(int lane) const;
   [[nodiscard]] JointGeometry on_lane(int lane, JointGeometry geometry) const;
 
   void attempt(std::span<const int> tried, const Rung& rung);

@@ -98,6 +98,7 @@ void Stepper::build(const Assembly& assembly) {
   problem = std::make_unique<graphsolve::Problem>(make_graph(scene, assembly, count()));
   bodies.reserve(bodies_per_lane * count());
   joints.reserve(joints_per_lane * count());
+  joints.count_turns = settings.count_turns;
   side_by_side.each(bodies_per_lane, [&](int lane, int k) { bodies.add(assembly.bodies[k], body_node(lane, k)); });
   side_by_side.each(joints_per_lane, [&](int lane, int k) {
     joints.add(on_lane(lane, assembly.joints[k]), motor_of(scene, assembly.joints[k]), joint_node(lane, k));

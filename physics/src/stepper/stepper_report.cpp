@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <ranges>
+#include <stdexcept>
 
 #include "terms/rotation.hpp"
 #include "stepper/stepper.hpp"
@@ -96,6 +98,32 @@ void Stepper::write_bodies(int lane, std::span<BodyRecord> records) const {
   }
 }
 
+/// Of the last step, or 0 where the velocities are those at the pose.
+double Stepper::step_before(int lane) const { return lanes[lane].state.half_kick ? 0 : lanes[lane].state.time_step; }
+
+/// Of the lane's joints the one that a described joint became; empty where it has no coordinate.
+std::optional<int> Stepper::find_coordinate(int lane, int described) const {
+  const int count = static_cast<int>(lanes[lane].mechanism.joints.size());
+  if (described < 0 || described >= count)
+    throw std::out_of_range(fmt::format("there is no joint {}, the scene has {}", described, count));
+  const auto all = std::views::iota(0, joints_per_lane);  // in the order of the description
+  const auto source = [&](int k) { return joints.geometry(joint(lane, k)).source; };
+  const auto found = std::ranges::lower_bound(all, described, {}, source);
+  if (found == all.end() || source(*found) != described) return {};
+  const int j = joint(lane, *found);
+  return joints.has_coordinate(j) ? std::optional(j) : std::nullopt;
+}
+
+std::optional<double> Stepper::joint_coordinate(int lane, int described) const {
+  const auto j = find_coordinate(lane, described);
+  return j ? std::optional(joints.coordinate(*j)) : std::nullopt;
+}
+
+std::optional<double> Stepper::joint_rate(int lane, int described) const {
+  const auto j = find_coordinate(lane, described);
+  return j ? std::optional(joints.rate(*j, step_before(lane))) : std::nullopt;
+}
+
 void Stepper::write_joints(int lane, std::span<JointRecord> records) const {
   const double impulse_time = lanes[lane].state.impulse_time;
   for (JointRecord& record : records) record = {};
@@ -104,6 +132,10 @@ void Stepper::write_joints(int lane, std::span<JointRecord> records) const {
     const JointGeometry& g = joints.geometry(j);
     JointRecord& record = records[g.source];
     record.error = joints.error(j, bodies.pose_now(g.parent), bodies.pose_now(g.child)).largest();
+    if (joints.has_coordinate(j)) {
+      record.coordinate = joints.coordinate(j);
+      record.rate = joints.rate(j, step_before(lane));
+    }
     if (joints.has_motor(j)) record.effort = 0;
     if (impulse_time == 0) continue;
     joints.impulse(j, unknowns, record.force, record.torque);

@@ -152,14 +152,6 @@ Joints::Matrix6 Joints::child_force(const Joint& joint) const {
   return rows_at(&forces_[octets_[octet_of(joint.place)].forces], physics::rows_of(joint.kind), lane_of(joint.place));
 }
 
-double Joints::coordinate(const Joint& joint, const Pose& a, const Pose& b) const {
-  const JointGeometry& g = joint.geometry;
-  if (g.type == JointType::prismatic)
-    return g.axis.dot(a.rotation.transpose() * (b.x + b.rotation * g.child_point - a.x) - g.parent_point);
-  const Quat e = relative_rotation(g, a, b);
-  return 2 * std::atan2(g.axis.dot(e.vec()), e.w());
-}
-
 void Joints::prepare(int i, double end_time, double impulse_time) {
   const Joint& joint = joints_[i];
   if (!joint.motor) return;
@@ -171,13 +163,6 @@ void Joints::prepare(int i, double end_time, double impulse_time) {
   m.target[lane] = motor_target(*joint.motor, end_time);
   m.coordinate[lane] = joint.coordinate;
   m.impulse_time[lane] = impulse_time;
-}
-
-void Joints::reset_coordinate(int i) {
-  Joint& joint = joints_[i];
-  if (!joint.motor) return;
-  joint.coordinate =
-      coordinate(joint, bodies_.pose_now(joint.geometry.parent), bodies_.pose_now(joint.geometry.child));
 }
 
 JointError Joints::error(int i, const Pose& parent, const Pose& child) const {

@@ -46,20 +46,32 @@ class Joints final : public graphsolve::Term {
   void prepare(int i, double end_time, double impulse_time);
   /// Force directions of all joints of these copies, at the pose between steps.
   void aim(std::span<const int> copies);
-  /// After a step that is kept: remembers the motor's coordinate.
+
+  // Coordinates along free axes. Kept between steps are those of motors, and of all hinges where turns are counted.
+  bool count_turns = false;
+  [[nodiscard]] bool keeps_coordinates() const { return count_turns || !motors_.empty(); }
+  /// After a step that is kept: remembers the coordinate.
   void commit(int i) {
     Joint& joint = joints_[i];
     if (joint.motor) joint.coordinate = motor_octet(joint).next_coordinate[lane_of(joint.place)];
+    else if (counts_turns(joint)) joint.coordinate = coordinate(i);
   }
-  /// Keeps the motor's coordinate, or goes back to what was kept.
+  /// Keeps the coordinate, or goes back to what was kept.
   void save(int i) { joints_[i].saved_coordinate = joints_[i].coordinate; }
   void restore(int i) { joints_[i].coordinate = joints_[i].saved_coordinate; }
-  /// Exchanges the motor's coordinate with what was kept.
+  /// Exchanges the coordinate with what was kept.
   void exchange_coordinate(int i) { std::swap(joints_[i].coordinate, joints_[i].saved_coordinate); }
-  /// Sets the motor's coordinate from the poses between steps.
+  /// Sets the coordinate from the poses between steps.
   void reset_coordinate(int i);
-  /// After that: adds the full turns, by the effort of the step that led to these poses and velocities x at this time.
+  /// After that: adds the full turns of a coordinate that was told.
+  void set_turn(int i, double told);
+  /// The same by the effort of the step that led to these poses and velocities x at this time.
   void find_turn(int i, double effort, double time, std::span<const double> x);
+  [[nodiscard]] bool has_coordinate(int i) const { return has_coordinate(joints_[i]); }
+  /// At the poses between steps, of joints that have one: with all turns where they are kept, else from -pi to pi.
+  [[nodiscard]] double coordinate(int i) const;
+  /// Its change in the step of length h that led there, over h; h = 0: by velocities that are those at these poses.
+  [[nodiscard]] double rate(int i, double h) const;
 
   [[nodiscard]] int size() const override { return static_cast<int>(joints_.size()); }
   [[nodiscard]] std::span<const graphsolve::NodeId> nodes(int i) const override {
@@ -96,7 +108,7 @@ class Joints final : public graphsolve::Term {
     int node_count;
     int row = -1, parent_row = -1, child_row = -1;
     int place = -1;  ///< lane and octet that hold its numbers and force directions, once it is wired
-    double coordinate = 0;              ///< of the motor between steps
+    double coordinate = 0;              ///< between steps, where it is kept
     double saved_coordinate = 0;
   };
 
@@ -109,7 +121,14 @@ class Joints final : public graphsolve::Term {
   static Mat3 locked_rotations(const JointGeometry& geometry);
   [[nodiscard]] Matrix6 parent_force(const Joint& joint) const;  ///< rows x 6
   [[nodiscard]] Matrix6 child_force(const Joint& joint) const;
+  static bool has_coordinate(const Joint& joint) {
+    return joint.geometry.type == JointType::revolute || joint.geometry.type == JointType::prismatic;
+  }
+  [[nodiscard]] bool counts_turns(const Joint& joint) const {
+    return joint.geometry.type == JointType::revolute && (count_turns || joint.motor);
+  }
   double coordinate(const Joint& joint, const Pose& a, const Pose& b) const;
+  [[nodiscard]] double rate_of_velocities(const JointGeometry& geometry) const;
   void move_to(std::span<const int> places);
   void find_blocks(const graphsolve::Wiring& wiring);
   void find_neighbours();
