@@ -90,7 +90,8 @@ void print_summary(const Summary& s) {
   line("rollout", fmt::format("{}: {} copies of {} steps{}", s.request.scene, s.request.copies, s.request.steps,
                               s.shard.count > 1 ? fmt::format(", shard {}/{}", s.shard.index, s.shard.count) : ""));
   line("outcomes", statuses_text(s.part.tally));
-  if (s.part.tally.start_correction > s.request.tolerance)  // not what rounding leaves
+  const double tolerance = std::min(s.request.tolerance, physics::loosest_tolerance(s.request.mechanism));
+  if (s.part.tally.start_correction > tolerance)  // not what rounding leaves
     line("start correction", fmt::format("up to {:.3g} m/s, to agree with the joints", s.part.tally.start_correction));
   if (const std::string inside = inside_text(s.part.tally); !inside.empty()) line("starts inside", inside);
   const long long due = s.shard.last(s.request.copies) - s.shard.first(s.request.copies) - s.part.tally.copies;

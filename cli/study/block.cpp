@@ -195,7 +195,7 @@ Outcome block_precision(Extent extent, const std::function<void()>& tick) {
   outcome.text = fmt::format(
       "sliding block, {} m/s, friction {}: error of the stopping distance v0^2/(2 mu g) in %, over the time step\n"
       "(the largest of five starts that stop at different fractions of a step)\ntolerance 1e-8 m/s\n{}\naligned, "
-      "half_kick, 45 degrees, over the tolerance\n{}{}.\n",
+      "half_kick, 45 degrees, over the tolerance, of which a step takes |g| dt / 100 at most\n{}{}.\n",
       speed, friction, model_table(samples, extent), tolerance_table(samples, extent), sentence);
   outcome.pictures.push_back(picture(samples, finding));
   return outcome;

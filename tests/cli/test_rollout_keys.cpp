@@ -111,6 +111,15 @@ TEST_F(Rollout, StartPositionsThatOpenAJointAreRefusedBeforeAnyCopy) {
   open.bodies[1].position.y() += 0.25;
   physics::write_scene_json(open, path("open.json"));
   EXPECT_EQ(refused("open.json"), "graphsolve: joint 'joint 1': its points start 0.25 m apart\n");
+  // A body that a fixed joint holds goes where that says: its own position may be left out, and moving it is refused.
+  write("bolted.toml", "format = \"graphsolve-scene\"\nversion = 1\ntime_step = 0.01\n"
+                       "[[bodies]]\nname = \"box\"\nmass = 1\ninertia = [1, 1, 1]\n"
+                       "[[bodies]]\nname = \"lid\"\nmass = 1\ninertia = [1, 1, 1]\n"
+                       "[[joints]]\nname = \"bolt\"\ntype = \"fixed\"\nparent = \"box\"\nchild = \"lid\"\nparent_point = [0, 0, 1]\n");
+  EXPECT_EQ(run("bolted.toml --copies 3 --steps 1 --vary start.position.x=0:1"), 0) << err_;
+  EXPECT_EQ(refused("bolted.toml --vary start.lid.position.x=2:2"),
+            "graphsolve: vary 'start.lid.position.x': joint 'bolt' holds body 'lid' at body 'box', and their points would "
+            "start 2.24 m apart\n");
   // What stays together: all of it, or each by as much, in any order.
   EXPECT_EQ(run("snake:n=3 --copies 3 --steps 1 --vary start.position.z=1:2"), 0) << err_;
   physics::Mechanism snake = physics::built_in_scene("snake:n=2");

@@ -56,8 +56,8 @@ std::vector<double> draw(std::span<const Variation> variations, std::uint64_t se
 /// the highest value. (What start positions leave open depends on all of them: check_start.)
 void check_variation(const Mechanism& mechanism, const Variation& variation);
 
-/// With these values set in turn, do joints still hold together? Throws DescriptionError that names the joint, and the key
-/// that opened it. Bodies that start.BODY.position moves have to be free to go there.
+/// With these values set in turn, do joints hold together as they do in the scene? Throws DescriptionError that names the
+/// joint, and the key that opened it: bodies that start.BODY.position moves have to be free to go there.
 void check_start(const Mechanism& mechanism, std::span<const Variation> variations, std::span<const double> values);
 
 /// Sets the number that the key names. Throws DescriptionError when the scene has no such thing.

@@ -39,7 +39,7 @@ double Joints::rate(int i, double h) const {
     const Pose now = bodies_.pose_now(body);
     if (body < 0 || !can_tell) return now;
     const Vec3 w = bodies_.spin(body);
-    can_tell = w.norm() * h < Bodies::largest_turn;  // all that steps leave; records may say more
+    can_tell = w.norm() * h < 2;  // after any step; a record may say more
     if (!can_tell) return now;
     const Quat q = rotate(now.q, -w, rotation_scalar(w, h), h);
     return Pose{now.x - h * bodies_.velocity(body), q, q.toRotationMatrix()};
