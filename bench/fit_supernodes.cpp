@@ -1,4 +1,4 @@
-#include <Eigen/Dense>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cstdio>
 #include <map>
@@ -8,6 +8,7 @@
 
 #include "graphsolve/factorization.hpp"
 #include "graphsolve/supernodes.hpp"
+#include "support/dense.hpp"
 #include "support/problem_families.hpp"
 #include "support/real_problems.hpp"
 #include "unit.hpp"
@@ -81,7 +82,7 @@ FactorWork fit(const std::vector<Sample>& list) {
     Eigen::MatrixXd some = a;
     for (int j = 0; j < n; ++j)
       if (!taken[j]) some.col(j).setZero();
-    const Eigen::VectorXd x = some.completeOrthogonalDecomposition().solve(Eigen::VectorXd::Ones(a.rows()));
+    const Eigen::VectorXd x = dense::least_squares(some, Eigen::VectorXd::Ones(a.rows()));
     Eigen::Index least = 0;
     if (x.minCoeff(&least) >= -1e-9) {
       FactorWork weights{};

@@ -1,10 +1,12 @@
 # Half of a file's compile time was what it includes of the standard library, Eigen and GoogleTest: that is read once per
-# target. Files go on to include what they need: .ci/run builds the packages without this.
+# target, where it has a few files at least. Files go on to include what they need: .ci/run builds the packages without this.
 # Usage: graphsolve_precompile(TARGET [EIGEN] [FMT] [GTEST] [JSON] [CLI])
 option(GRAPHSOLVE_PRECOMPILE "Precompile the headers that most files include" ${PROJECT_IS_TOP_LEVEL})
 
 function(graphsolve_precompile target)
-  if(NOT GRAPHSOLVE_PRECOMPILE)
+  get_target_property(sources ${target} SOURCES)
+  list(LENGTH sources files)
+  if(NOT GRAPHSOLVE_PRECOMPILE OR files LESS 4)
     return()
   endif()
   set(headers <algorithm> <array> <cmath> <functional> <map> <memory> <optional> <span> <stdexcept> <string> <vector>)
@@ -23,7 +25,6 @@ function(graphsolve_precompile target)
     target_compile_options(${target} PRIVATE -fpch-preprocess -Wno-stringop-overflow -Wno-array-bounds)
   endif()
   # Kernels have options of their own, which a precompiled header would have to share.
-  get_target_property(sources ${target} SOURCES)
   list(FILTER sources INCLUDE REGEX "_kernels\\.cpp$")
   set_source_files_properties(${sources} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
 endfunction()

@@ -9,6 +9,7 @@
 
 #include "factorization_cases.hpp"
 #include "graphsolve/factorization.hpp"
+#include "support/dense.hpp"
 
 // LDL^T and Cholesky on the plan of the LDU, against dense Eigen.
 namespace {
@@ -39,7 +40,7 @@ Eigen::MatrixXd symmetric_indefinite(const BlockGraph& graph, std::uint64_t seed
   for (int k = 0; k < graph.size(); ++k) {
     const int d = graph.dimension({k}), row = graph.row({k});
     const Eigen::MatrixXd g = Eigen::MatrixXd::NullaryExpr(d, d, [&] { return normal(random); });
-    const Eigen::MatrixXd q = Eigen::FullPivLU<Eigen::MatrixXd>(g).matrixLU().triangularView<Eigen::UnitLower>();
+    const Eigen::MatrixXd q = dense::unit_lower(g);
     Eigen::VectorXd signs = Eigen::VectorXd::NullaryExpr(d, [&](Eigen::Index i) { return (i + k) % 2 == 0 ? 8.0 : -8.0; });
     a.block(row, row, d, d) = q * signs.asDiagonal() * q.transpose();
     a.block(row, row, d, d).diagonal().array() *= 1e-3;  // no pivot to be had from the diagonal alone
@@ -48,7 +49,7 @@ Eigen::MatrixXd symmetric_indefinite(const BlockGraph& graph, std::uint64_t seed
 }
 
 Inertia dense_inertia(const Eigen::MatrixXd& a, double zero = 1e-9) {
-  const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(a, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::VectorXd values = dense::eigenvalues(a);
   Inertia inertia;
   for (const double value : values)
     ++(std::abs(value) <= zero ? inertia.zero : value > 0 ? inertia.positive : inertia.negative);
@@ -81,7 +82,7 @@ TEST(SymmetricFactorization, LdltSolvesAndCountsSignsLikeDenseEigenOnEveryFamily
         EXPECT_EQ(outcome.dropped_rows, 0) << name;
         EXPECT_EQ(outcome.inertia, dense_inertia(a)) << name << (saddle ? " saddle" : " indefinite");
         Eigen::VectorXd x = right_hand_side(a.rows()), y = x;
-        const Eigen::VectorXd expected = a.partialPivLu().solve(x);
+        const Eigen::VectorXd expected = dense::solve(a, x);
         f.solve(view(x));
         f.solve_transposed(view(y));
         EXPECT_LE(relative(x, expected), 1e-8) << name;
@@ -99,7 +100,7 @@ TEST(SymmetricFactorization, CholeskySolvesDefiniteMatricesWhateverTheKindsOfThe
     ASSERT_TRUE(outcome.ok()) << name;
     EXPECT_EQ(outcome.inertia, (Inertia{graph.rows(), 0, 0})) << name;
     Eigen::VectorXd x = right_hand_side(a.rows());
-    const Eigen::VectorXd expected = a.llt().solve(x);
+    const Eigen::VectorXd expected = dense::solve(a, x);
     f.solve(view(x));
     EXPECT_LE(relative(x, expected), 1e-12) << name;
   }
@@ -211,7 +212,7 @@ TEST(SymmetricFactorization, ConstraintsEliminatedBeforeTheirVariablesAreSolvedB
   Eigen::VectorXd x = b;
   f.solve(view(x));
   EXPECT_LE(f.refine(view(b), view(x), 10).backward_error, 1e-15);
-  EXPECT_LE(relative(x, a.partialPivLu().solve(b)), 1e-9);
+  EXPECT_LE(relative(x, dense::solve(a, b)), 1e-9);
 }
 
 TEST(SymmetricFactorization, GrowthIsOneWhereNothingGrowsAndMeasuredOnlyWithTheMatrix) {

@@ -12,6 +12,7 @@
 #include "graphsolve/io/block_view.hpp"
 #include "graphsolve/nonnegative.hpp"
 #include "graphsolve/ordering.hpp"
+#include "support/dense.hpp"
 
 namespace {
 
@@ -64,7 +65,7 @@ class ChainQuadratic final : public Term {
 
 /// Accelerated projected gradient: slow, sure, and nothing like an interior point.
 Eigen::VectorXd projected_gradient(const Eigen::MatrixXd& h, const Eigen::VectorXd& g, double low, double high) {
-  const double step = 1 / h.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
+  const double step = 1 / dense::eigenvalues(h).maxCoeff();
   Eigen::VectorXd x = Eigen::VectorXd::Zero(g.size()), y = x;
   double t = 1;
   for (int k = 0; k < 20000; ++k) {
@@ -123,7 +124,7 @@ TEST(InteriorPoint, WithoutActivePortsOneNewtonStepSolvesALinearProblem) {
   std::vector<double> x(10, 0.0);
   ASSERT_EQ(solver.solve(x), Status::solved);
   EXPECT_EQ(solver.reports()[0].iterations, 1);
-  const Eigen::VectorXd expected = -cost.h.ldlt().solve(cost.g);
+  const Eigen::VectorXd expected = -dense::solve(cost.h, cost.g);
   for (int i = 0; i < 10; ++i) EXPECT_NEAR(x[i], expected[i], 1e-9);
 }
 
@@ -167,7 +168,7 @@ class KeepsWithin final : public Term {
 TEST(InteriorPoint, ASolutionBeyondTheBoundOnTheStepIsReportedAsSuch) {
   for (const bool with_ports : {false, true}) {
     ChainQuadratic cost(2, 5);
-    const Eigen::VectorXd free = -cost.h.ldlt().solve(cost.g);
+    const Eigen::VectorXd free = -dense::solve(cost.h, cost.g);
     PortLawBatch<Bound, Nonnegative> bounds;
     if (with_ports) bounds.add(Bound({1}, 0, Bound::Side::lower, free[2] - 1), Nonnegative());
     const double solution = std::abs(free[0]);
@@ -237,7 +238,7 @@ TEST(InteriorPoint, ANumberAfterNotANumberDoesNotHideIt) {
     if (with_ports) problem.add(bounds);
     InteriorPoint solver(problem, std::make_shared<const Symbolic>(problem.graph(), natural_ordering(problem.graph())));
     // At the solution of all that is a number: only the first row can tell.
-    const Eigen::VectorXd solution = -cost.h.ldlt().solve(cost.g);
+    const Eigen::VectorXd solution = -dense::solve(cost.h, cost.g);
     std::vector<double> x(solution.begin(), solution.end());
     EXPECT_EQ(solver.solve(x), Status::not_finite) << with_ports;
   }

@@ -13,6 +13,7 @@
 #include "graphsolve/derivative_check.hpp"
 #include "graphsolve/interior_point.hpp"
 #include "graphsolve/nonnegative.hpp"
+#include "support/dense.hpp"
 
 namespace {
 
@@ -64,7 +65,7 @@ TEST(LinearQuadratic, SolutionIsThatOfTheDenseOptimalitySystem) {
   Eigen::VectorXd rhs(7);
   rhs << -p.c, p.r;
   for (int k = 0; k < 3; ++k) rhs[2 + k] -= p.slope[k];
-  const Eigen::VectorXd expected = matrix.fullPivLu().solve(rhs);
+  const Eigen::VectorXd expected = dense::solve(matrix, rhs);
   for (int k = 0; k < 7; ++k) EXPECT_NEAR(x[k], expected[k], 1e-10) << k;
 }
 

@@ -15,6 +15,7 @@
 #include "graphsolve/factorization.hpp"
 #include "graphsolve/ordering.hpp"
 #include "graphsolve/symbolic.hpp"
+#include "support/dense.hpp"
 #include "support/graph_families.hpp"
 
 namespace {
@@ -28,11 +29,11 @@ double worst_pivot(const BlockGraph& graph, std::span<const NodeId> sequence, Ei
   for (const NodeId node : sequence) {
     const int row = graph.row(node), d = graph.dimension(node);
     const Eigen::MatrixXd pivot = a.block(row, row, d, d);
-    const Eigen::VectorXd values = Eigen::JacobiSVD<Eigen::MatrixXd>(pivot).singularValues();
+    const Eigen::VectorXd values = dense::singular_values(pivot);
     worst = std::min(worst, values[0] > 0 ? values[d - 1] / values[0] : 0.0);
     for (int i = row; i < row + d; ++i) done[i] = 1;
     if (worst < 1e-14) return worst;
-    const Eigen::MatrixXd update = a.middleCols(row, d) * pivot.partialPivLu().solve(a.middleRows(row, d));
+    const Eigen::MatrixXd update = a.middleCols(row, d) * dense::solve(pivot, Eigen::MatrixXd(a.middleRows(row, d)));
     for (int j = 0; j < graph.rows(); ++j)
       for (int i = 0; i < graph.rows(); ++i)
         if (!done[i] && !done[j]) a(i, j) -= update(i, j);

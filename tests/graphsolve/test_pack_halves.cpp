@@ -7,6 +7,7 @@
 #include "factorization_cases.hpp"
 #include "graphsolve/factorization.hpp"
 #include "graphsolve/simd/lane_blocks.hpp"
+#include "support/dense.hpp"
 
 using namespace graphsolve;
 using cases::right_hand_side;
@@ -62,7 +63,7 @@ TEST(PackHalves, AreSolvedWithTheBitsOfTheWholeBlock) {
       const Result apart = solve(graph, matrix), together = solve(graph, halves_apart(graph, 1e-290));
       ASSERT_TRUE(apart.outcome.ok());
       EXPECT_EQ(apart.x, together.x);
-      const Eigen::VectorXd exact = matrix.fullPivLu().solve(right_hand_side(graph.rows()));
+      const Eigen::VectorXd exact = dense::solve(matrix, right_hand_side(graph.rows()));
       EXPECT_LE((apart.x - exact).norm(), 1e-9 * exact.norm());
     }
   });
@@ -73,7 +74,7 @@ TEST(PackHalves, OneLaneThatIsCoupledIsSolvedWithIt) {
   Eigen::MatrixXd matrix = halves_apart(graph, 0);
   const int row = graph.row({17});
   matrix(row + 1, row + 5) = 0.5;
-  const Eigen::VectorXd exact = matrix.fullPivLu().solve(right_hand_side(graph.rows()));
+  const Eigen::VectorXd exact = dense::solve(matrix, right_hand_side(graph.rows()));
   with_each_instruction_set([&] {
     const Result result = solve(graph, matrix);
     ASSERT_TRUE(result.outcome.ok());
@@ -87,7 +88,7 @@ TEST(PackHalves, AHalfThatNeedsExchangesGetsThem) {
   const int row = graph.row({17}) + 3;
   matrix(row, row) = matrix(row + 1, row + 1) = 0;
   matrix(row, row + 1) = matrix(row + 1, row) = 2;
-  const Eigen::VectorXd exact = matrix.fullPivLu().solve(right_hand_side(graph.rows()));
+  const Eigen::VectorXd exact = dense::solve(matrix, right_hand_side(graph.rows()));
   with_each_instruction_set([&] {
     const Result result = solve(graph, matrix);
     ASSERT_TRUE(result.outcome.ok());

@@ -10,6 +10,7 @@
 #include "factorization_cases.hpp"
 #include "graphsolve/factorization.hpp"
 #include "graphsolve/simd/lane_blocks.hpp"
+#include "support/dense.hpp"
 
 using namespace graphsolve;
 using cases::right_hand_side;
@@ -73,7 +74,7 @@ TEST(Packs, SolveSaddleSystemsAsDenseLUDoes) {
     simd::use_instruction_set(set);
     for (const BlockGraph& graph : {families::balanced_tree(40), families::quadruped(), families::star(16)}) {
       const Eigen::MatrixXd matrix = families::saddle_matrix(graph, 5);
-      const Eigen::VectorXd exact = matrix.fullPivLu().solve(right_hand_side(graph.rows()));
+      const Eigen::VectorXd exact = dense::solve(matrix, right_hand_side(graph.rows()));
       EXPECT_LE((solution(graph, matrix, Packs::on, false) - exact).norm(), 1e-9 * exact.norm());
     }
   }
@@ -90,11 +91,11 @@ TEST(Packs, LanesThatNeedExchangesOfRowsAreDoneAlone) {
     matrix.row(row).swap(matrix.row(row + 1));
     matrix(row, row) = node % 2 ? 0 : 1e-14;
   }
-  const Eigen::VectorXd exact = matrix.fullPivLu().solve(right_hand_side(graph.rows()));
+  const Eigen::VectorXd exact = dense::solve(matrix, right_hand_side(graph.rows()));
   for (const auto set : simd::instruction_sets()) {
     simd::use_instruction_set(set);
     EXPECT_LE((solution(graph, matrix, Packs::on, false) - exact).norm(), 1e-11 * exact.norm());
-    const Eigen::VectorXd transposed = matrix.transpose().fullPivLu().solve(right_hand_side(graph.rows()));
+    const Eigen::VectorXd transposed = dense::solve(matrix.transpose(), right_hand_side(graph.rows()));
     EXPECT_LE((solution(graph, matrix, Packs::on, true) - transposed).norm(), 1e-11 * transposed.norm());
   }
 }

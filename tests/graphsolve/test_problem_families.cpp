@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 
 #include "factorization_cases.hpp"
+#include "support/dense.hpp"
 #include "support/problem_families.hpp"
 
 namespace {
@@ -42,7 +43,7 @@ TEST(ProblemFamilies, SymmetricMeansSymmetricAndUnsymmetricIsMonotoneButForTheCo
     for (int i = 0; i < problem.graph.size(); ++i) {
       const int row = problem.graph.row({i}), d = problem.graph.dimension({i});
       const Eigen::MatrixXd block = a.block(row, row, d, d);
-      const double lowest = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(block + block.transpose()).eigenvalues()[0];
+      const double lowest = dense::eigenvalues(block + block.transpose())[0];
       EXPECT_TRUE(problem.graph.kind({i}) == graphsolve::NodeKind::saddle || lowest > 0) << problem.name;
     }
   }
@@ -52,7 +53,7 @@ TEST(ProblemFamilies, RedundantRowsMakeTheMatrixSingularAndTheOthersAreRegular) 
   for (const Spec& spec : specs(9)) {
     if (spec.difficulty == Difficulty::wide_diagonals || spec.difficulty == Difficulty::mass_ratio) continue;
     const Problem problem = make_problem(spec);
-    const Eigen::Index rank = Eigen::FullPivLU<Eigen::MatrixXd>(problem.matrix).setThreshold(1e-11).rank();
+    const Eigen::Index rank = dense::rank(problem.matrix, 1e-11);
     EXPECT_EQ(rank < problem.matrix.rows(), spec.difficulty == Difficulty::redundant) << problem.name;
   }
 }

@@ -1,9 +1,9 @@
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "support/certificate_view.hpp"
+#include "support/dense.hpp"
 
 namespace certificate {
 
@@ -198,7 +198,7 @@ void eliminate_joints(const Step& step, std::span<Momentum> rest) {
     a.col(static_cast<Eigen::Index>(k)) = length > 0 ? Eigen::VectorXd(columns[k] / length) : columns[k];
   }
   const Eigen::VectorXd weighted = weight.cwiseProduct(b);
-  const Eigen::VectorXd left = weighted - a * a.completeOrthogonalDecomposition().solve(weighted);
+  const Eigen::VectorXd left = weighted - a * dense::least_squares(a, weighted);
   for (int i = 0; i < n; ++i) {
     rest[i].linear = left.segment<3>(6 * i).cwiseQuotient(weight.segment<3>(6 * i));
     rest[i].angular = left.segment<3>(6 * i + 3).cwiseQuotient(weight.segment<3>(6 * i + 3));

@@ -157,16 +157,15 @@ void backward(const PackSolve& job) {
   finish_own<L>(job, d, x);
 }
 
-template <int D, int L>
+template <int L>
 void forward_transposed(const PackSolve& job) {
   const Shape& shape = job.program.shape(job.pack);
-  const int d = D ? D : shape.dimension;
+  const int d = shape.dimension;
   const double* w = job.factor + job.pack.upper;
-  PackOf<L> x[D ? D : largest_dimension], t[largest_front];
+  PackOf<L> x[largest_dimension], t[largest_front];
   load_own<L>(job, d, x);
   for (int r = 0; r < shape.coupled_rows; ++r, w += d * L) {
     t[r] = load<L>(w) * x[0];
-#pragma GCC unroll 6
     for (int p = 1; p < d; ++p) t[r] = multiply_add(load<L>(w + p * L), x[p], t[r]);
   }
   subtract_coupled<L>(job, shape, t);
@@ -234,12 +233,12 @@ HWY_INLINE void take_up(const PackOf<L>& a, const PackOf<L>& b, PackOf<L>& sum, 
   magnitude = multiply_add(abs(a), abs(b), magnitude);
 }
 
-template <int D, int L>
+template <int L>
 void residual(const PackResidual& job) {
   using P = PackOf<L>;
   const Shape& shape = job.program.shape(job.pack);
-  const int d = D ? D : shape.dimension;
-  P x[D ? D : largest_dimension], coupled[largest_front], sum[largest_front], magnitude[largest_front];
+  const int d = shape.dimension;
+  P x[largest_dimension], coupled[largest_front], sum[largest_front], magnitude[largest_front];
   const double* from[L];
   double* place[L];
   point_at<L>(job.program, job.pack, job.x, 0, from);
@@ -268,12 +267,13 @@ void residual(const PackResidual& job) {
   add_coupled<L>(job, shape, magnitude, job.magnitude, 1.0);
 }
 
+// Those that are needed rarely take dimensions at run time: half the time to compile this file.
 constexpr Solves here{
     .forward = by_kind([]<int D, int L>() -> simd::Solve { return &forward<D, L>; }),
     .backward = by_kind([]<int D, int L>() -> simd::Solve { return &backward<D, L>; }),
-    .forward_transposed = by_kind([]<int D, int L>() -> simd::Solve { return &forward_transposed<D, L>; }),
+    .forward_transposed = by_kind([]<int, int L>() -> simd::Solve { return &forward_transposed<L>; }),
     .backward_transposed = by_kind([]<int D, int L>() -> simd::Solve { return &backward_transposed<D, L>; }),
-    .residual = by_kind([]<int D, int L>() -> simd::Residual { return &residual<D, L>; })};
+    .residual = by_kind([]<int, int L>() -> simd::Residual { return &residual<L>; })};
 
 using Enter = void (*)(const Program&, const PivotPack&, const double*, double*);
 constexpr ByKind<Enter> enters = by_kind([]<int D, int L>() -> Enter { return &enter<D, L>; });
