@@ -39,19 +39,19 @@ struct Shape {
   double radius = 0;         ///< sphere, cylinder, capsule [m]
   double height = 0;         ///< cylinder, capsule: along z [m]
   Vec3 size = Vec3::Zero();  ///< box: full edge lengths [m]
-  std::string file;          ///< mesh
+  std::string file = {};          ///< mesh
 };
 
 struct Body {
-  std::string name;
+  std::string name = {};
   double mass = 0;              ///< [kg], > 0
   Mat3 inertia = Mat3::Zero();  ///< about the centre of mass, body frame [kg m^2]
   Vec3 position = Vec3::Zero();          ///< centre of mass, world [m]
   Quat orientation = Quat::Identity();   ///< body to world, unit
   Vec3 velocity = Vec3::Zero();          ///< world [m/s]
   Vec3 angular_velocity = Vec3::Zero();  ///< body frame [rad/s]
-  Shape shape;
-  Extras extras;
+  Shape shape = {};
+  Extras extras = {};
 };
 
 /// offset + amplitude sin(2 pi frequency t + phase)
@@ -75,38 +75,38 @@ struct Motor {
 enum class JointType { fixed, revolute, prismatic, spherical };
 
 struct Joint {
-  std::string name;
+  std::string name = {};
   JointType type = JointType::fixed;
-  BodyId parent;  ///< may be the world
-  BodyId child;   ///< a body
+  BodyId parent = {};  ///< may be the world
+  BodyId child = {};   ///< a body
   Vec3 parent_point = Vec3::Zero();     ///< parent frame [m]
   Vec3 child_point = Vec3::Zero();      ///< child frame [m]
   Vec3 axis = Vec3::UnitZ();            ///< parent frame; revolute, prismatic
   Quat orientation = Quat::Identity();  ///< of the child relative to the parent at rest
-  std::optional<Motor> motor;
-  Extras extras;
+  std::optional<Motor> motor = {};
+  Extras extras = {};
 };
 
 enum class FrictionModel { pyramid, aligned };  ///< first direction fixed, or along the slip when a step begins
 
 /// A contact point of a body against a fixed plane.
 struct Contact {
-  std::string name;
-  BodyId body;
+  std::string name = {};
+  BodyId body = {};
   Vec3 point = Vec3::Zero();        ///< body frame [m]
   Vec3 normal = Vec3::UnitZ();      ///< world, out of the solid side
   Vec3 plane_point = Vec3::Zero();  ///< world [m]
-  std::optional<double> friction;   ///< coefficient, 0 to 1000; absent: frictionless
+  std::optional<double> friction = {};   ///< coefficient, 0 to 1000; absent: frictionless
   FrictionModel friction_model = FrictionModel::aligned;
   int directions = 4;           ///< facets of the pyramid, even, >= 4
-  std::optional<Vec3> tangent;  ///< first friction direction of `pyramid`; absent: any
+  std::optional<Vec3> tangent = {};  ///< first friction direction of `pyramid`; absent: any
   double radius = 0;            ///< the contact is a sphere of this radius about `point` [m]
-  Extras extras;
+  Extras extras = {};
 };
 
 /// Force (world) and torque (body frame) in the steps first..last, inclusive; step k leads to record k.
 struct Load {
-  BodyId body;
+  BodyId body = {};
   int first_step = 1, last_step = 1;
   Vec3 force = Vec3::Zero();   ///< [N]
   Vec3 torque = Vec3::Zero();  ///< [N m]
@@ -117,15 +117,15 @@ struct Load {
 enum class Start { standard, half_kick };
 
 struct Mechanism {
-  std::string name;
+  std::string name = {};
   double time_step = 0.01;  ///< [s]
   Vec3 gravity{0, 0, -9.81};
   Start start = Start::half_kick;
-  std::vector<Body> bodies;
-  std::vector<Joint> joints;
-  std::vector<Contact> contacts;
-  std::vector<Load> loads;
-  Extras extras;
+  std::vector<Body> bodies = {};
+  std::vector<Joint> joints = {};
+  std::vector<Contact> contacts = {};
+  std::vector<Load> loads = {};
+  Extras extras = {};
 
   BodyId add(Body body) {
     bodies.push_back(std::move(body));
