@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "graphsolve/cheapest_ordering.hpp"
+#include "graphsolve/io/eigen.hpp"
 
 namespace bench {
 
@@ -11,43 +12,22 @@ using namespace graphsolve;
 
 namespace {
 
-/// Where the entries of the matrix lie in the value array, all or those of the triangle that the symmetric kinds read; row i
-/// of the matrix is row row_of[i] of the graph.
-std::vector<EntryPlace> places(const Eigen::SparseMatrix<double>& a, const BlockGraph& graph, std::span<const int> row_of,
-                               const Symbolic& symbolic, FactorizationKind kind) {
-  std::vector<int> node_of(graph.rows());
-  for (int i = 0; i < graph.size(); ++i) std::fill_n(node_of.begin() + graph.row({i}), graph.dimension({i}), i);
-  std::vector<EntryPlace> place;
-  int k = 0;
-  for (int j = 0; j < a.outerSize(); ++j) {
-    const NodeId column{node_of[row_of[j]]};
-    NodeId last;
-    BlockHandle handle;
-    for (Eigen::SparseMatrix<double>::InnerIterator entry(a, j); entry; ++entry) {
-      const NodeId row{node_of[row_of[entry.row()]]};
-      if (row != last) handle = symbolic.block(row, column);
-      last = row;
-      const int i = row_of[entry.row()] - graph.row(row), c = row_of[j] - graph.row(column), own = k++;
-      const bool upper = row == column ? i < c : symbolic.position(row) < symbolic.position(column);
-      if (kind == FactorizationKind::ldu || !upper) place.push_back({own, handle.place(i, c)});
-    }
-  }
-  place.shrink_to_fit();
-  std::ranges::sort(place, {}, &EntryPlace::place);  // as EntryMap does: each cache line is written once
-  return place;
-}
-
 std::vector<int> rows_as_given(int rows) {
   std::vector<int> same(rows);
   std::iota(same.begin(), same.end(), 0);
   return same;
 }
 
+EntryMap map_of(const Eigen::SparseMatrix<double>& a, const BlockGraph& graph, std::vector<int> row_of,
+                const Symbolic& symbolic, FactorizationKind kind) {
+  return {io::from_eigen(a), BlockStructure{.graph = graph, .row_of = std::move(row_of)}, symbolic, kind};
+}
+
 }  // namespace
 
 baselines::Status GraphsolveSolver::analyze(const Eigen::SparseMatrix<double>& a) {
   pattern_ = &a;
-  place_.clear();
+  map_.reset();
   simd::use_instruction_set(way_.set.value_or(simd::instruction_sets().back()));
   std::shared_ptr<const Symbolic> symbolic;
   if (way_.path == Path::packs) {
@@ -68,13 +48,10 @@ baselines::Status GraphsolveSolver::analyze(const Eigen::SparseMatrix<double>& a
 }
 
 void GraphsolveSolver::write(std::span<const double> values) {
-  if (place_.empty())
-    place_ = way_.nodes == Nodes::merged
-                 ? places(*pattern_, merged_.graph, merged_.row_of, symbolic(), way_.kind)
-                 : places(*pattern_, graph_, rows_as_given(graph_.rows()), symbolic(), way_.kind);
-  factorization_->set_zero();
-  const std::span<double> to = factorization_->values();
-  for (const auto& [entry, place] : place_) to[place] = values[entry];
+  if (!map_)
+    map_ = way_.nodes == Nodes::merged ? map_of(*pattern_, merged_.graph, merged_.row_of, symbolic(), way_.kind)
+                                       : map_of(*pattern_, graph_, rows_as_given(graph_.rows()), symbolic(), way_.kind);
+  map_->write(values, factorization_->values());
 }
 
 baselines::Status GraphsolveSolver::refactor() {
@@ -137,13 +114,12 @@ Factorization::Refinement GraphsolveSolver::refine(std::span<const double> b, st
 
 baselines::Status RobustGraphsolve::analyze(const Eigen::SparseMatrix<double>& a) {
   solver_.emplace(graph_, RobustSolver::Options{.kind = kind_, .acceptable = 1e-15, .max_sweeps = 20});
-  place_ = places(a, graph_, rows_as_given(graph_.rows()), solver_->symbolic(), FactorizationKind::ldu);  // both triangles
+  map_ = map_of(a, graph_, rows_as_given(graph_.rows()), solver_->symbolic(), FactorizationKind::ldu);  // both triangles
   return {};
 }
 
 void RobustGraphsolve::write(std::span<const double> values) {
-  const std::span<double> to = solver_->values();
-  for (const auto& [entry, place] : place_) to[place] = values[entry];
+  map_->write(values, solver_->values());
 }
 
 baselines::Status RobustGraphsolve::refactor() {

@@ -6,6 +6,7 @@
 
 #include "baselines/baselines.hpp"
 #include "graphsolve/block_graph.hpp"
+#include "graphsolve/block_detection.hpp"
 #include "graphsolve/factorization.hpp"
 #include "graphsolve/robust_solver.hpp"
 #include "graphsolve/simd/lanes.hpp"
@@ -26,12 +27,6 @@ struct Way {
   Nodes nodes = Nodes::as_given;
   Path path = Path::scalar;
   std::optional<graphsolve::simd::InstructionSet> set = {};  ///< for the whole process, from `analyze` on; default: the best
-};
-
-/// Entry of a sparse matrix, by number, and where it lies in a value array.
-struct EntryPlace {
-  int entry;
-  std::int64_t place;
 };
 
 /// graphsolve behind the interface of the packages it is compared with. `write` puts the numbers into the storage of
@@ -71,7 +66,7 @@ class GraphsolveSolver final : public baselines::Baseline {
   graphsolve::Supernodes merged_;  ///< empty when nodes are as given
   std::unique_ptr<graphsolve::Factorization> factorization_;
   const Eigen::SparseMatrix<double>* pattern_ = nullptr;
-  std::vector<EntryPlace> place_;  ///< in the factorization's values
+  std::optional<graphsolve::EntryMap> map_;  ///< made by the first `write`: analysis does without
   std::vector<double> right_, x_;    ///< in the numbering of the merged graph
   graphsolve::Factorization::Outcome outcome_;
 };
@@ -97,7 +92,7 @@ class RobustGraphsolve final : public baselines::Baseline {
   const graphsolve::BlockGraph& graph_;
   graphsolve::FactorizationKind kind_;
   std::optional<graphsolve::RobustSolver> solver_;
-  std::vector<EntryPlace> place_;  ///< in the solver's values
+  std::optional<graphsolve::EntryMap> map_;
   graphsolve::RobustSolver::Report report_;
 };
 
