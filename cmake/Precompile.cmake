@@ -1,5 +1,6 @@
 # Half of a file's compile time was what it includes of the standard library, Eigen and GoogleTest: that is read once per
-# target, where it has a few files at least. Files go on to include what they need: .ci/run builds the packages without this.
+# target, where it has a few files at least. Files go on to include what they need: consumer.add_subdirectory compiles the
+# solver without this.
 # Usage: graphsolve_precompile(TARGET [EIGEN] [FMT] [GTEST] [JSON] [CLI])
 option(GRAPHSOLVE_PRECOMPILE "Precompile the headers that most files include" ${PROJECT_IS_TOP_LEVEL})
 

@@ -39,7 +39,7 @@ struct Shape {
   double radius = 0;         ///< sphere, cylinder, capsule [m]
   double height = 0;         ///< cylinder, capsule: along z [m]
   Vec3 size = Vec3::Zero();  ///< box: full edge lengths [m]
-  std::string file = {};          ///< mesh
+  std::string file = {};     ///< mesh
 };
 
 struct Body {

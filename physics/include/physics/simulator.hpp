@@ -17,9 +17,9 @@ struct SimulatorSettings {
   /// that is what its steps are accepted at; StepResult::residual tells. Under gravity neither is more than a hundredth of
   /// what that changes in a step (1e-4 m/s at 1 ms): else things would hover.
   double tolerance = 1e-8;
-  std::optional<double> time_step = {};           ///< instead of the scene's [s]
+  std::optional<double> time_step = {};              ///< instead of the scene's [s]
   std::optional<FrictionModel> friction_model = {};   ///< instead of the contacts' own
-  std::optional<Start> start = {};                ///< instead of the scene's
+  std::optional<Start> start = {};                   ///< instead of the scene's
   bool merge_fixed_joints = true;  ///< bodies held by a fixed joint become one (false: keep the joint force)
   bool cull_contacts = true;       ///< leave out contacts that cannot be reached in this step
   bool count_turns = false;        ///< of hinges without a motor too: see Simulator::joint_coordinate

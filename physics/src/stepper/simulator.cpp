@@ -88,7 +88,7 @@ void Simulator::restart_from(const StepRecord& record) {
     const int j = s.joint(only, k);
     const JointRecord& joint = record.joints[s.joints.geometry(j).source];
     if (joint.coordinate) s.joints.set_turn(j, *joint.coordinate);
-    else if (joint.effort) s.joints.find_turn(j, *joint.effort, record.time, s.unknowns);
+    else if (joint.effort) s.joints.find_turn(j, *joint.effort, record.time);
   }
   lane.set_time(record.step, record.time);
   lane.last = {};

@@ -65,8 +65,8 @@ class Joints final : public graphsolve::Term {
   void reset_coordinate(int i);
   /// After that: adds the full turns of a coordinate that was told.
   void set_turn(int i, double told);
-  /// The same by the effort of the step that led to these poses and velocities x at this time.
-  void find_turn(int i, double effort, double time, std::span<const double> x);
+  /// The same by the effort of the step that led to these poses and velocities at this time.
+  void find_turn(int i, double effort, double time);
   [[nodiscard]] bool has_coordinate(int i) const { return has_coordinate(joints_[i]); }
   /// At the poses between steps, of joints that have one: with all turns where they are kept, else from -pi to pi.
   [[nodiscard]] double coordinate(int i) const;
