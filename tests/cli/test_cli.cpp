@@ -5,9 +5,9 @@
 #include "physics/scenes.hpp"
 #include "program.hpp"
 
-// `simulate` and what all commands share.
+namespace test_cli {
 
-namespace {
+// `simulate` and what all commands share.
 
 namespace fs = std::filesystem;
 using physics::read_scene;
@@ -343,4 +343,4 @@ TEST_F(Cli, AnInterruptedRunKeepsWhatItHasAndSaysSo) {
   }
 }
 
-}  // namespace
+}  // namespace test_cli

@@ -5,9 +5,9 @@
 
 #include "program.hpp"
 
-// Every key of the JSON that commands write is in the documentation.
+namespace test_documented_keys {
 
-namespace {
+// Every key of the JSON that commands write is in the documentation.
 
 using nlohmann::json;
 
@@ -54,4 +54,4 @@ TEST_F(DocumentedKeys, OfARollout) {
   }
 }
 
-}  // namespace
+}  // namespace test_documented_keys

@@ -5,9 +5,9 @@
 
 #include "matrix_command.hpp"
 
-// `analyze`, and what both commands for matrices refuse, as a shell sees it.
+namespace test_matrix_commands {
 
-namespace {
+// `analyze`, and what both commands for matrices refuse, as a shell sees it.
 
 using namespace matrix_command;
 
@@ -265,4 +265,4 @@ TEST_F(MatrixCommand, BothExplainThemselves) {
   }
 }
 
-}  // namespace
+}  // namespace test_matrix_commands

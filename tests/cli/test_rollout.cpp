@@ -15,9 +15,9 @@
 #include "physics/simulator.hpp"
 #include "rollout_program.hpp"
 
-// `graphsolve rollout`: the same bytes for any threads, lanes and shards, and after a kill.
+namespace test_rollout {
 
-namespace {
+// `graphsolve rollout`: the same bytes for any threads, lanes and shards, and after a kill.
 
 namespace fs = std::filesystem;
 using nlohmann::json;
@@ -324,4 +324,4 @@ TEST_F(Rollout, MergeOverwritesNothingButAFileOfTheSameRollout) {
   ASSERT_EQ(run("--merge part0 part1 --out begun"), 0) << "again";
 }
 
-}  // namespace
+}  // namespace test_rollout

@@ -5,9 +5,9 @@
 #include "physics/simulator.hpp"
 #include "rollout_program.hpp"
 
-// `graphsolve rollout --vary`: loads, motors, joints and orientations at the start.
+namespace test_rollout_keys {
 
-namespace {
+// `graphsolve rollout --vary`: loads, motors, joints and orientations at the start.
 
 namespace fs = std::filesystem;
 using nlohmann::json;
@@ -169,4 +169,4 @@ TEST_F(Rollout, CopiesThatStartInsideAPlaneAreCountedAndTheFirstIsNamed) {
   EXPECT_EQ(out_.find("starts inside"), std::string::npos) << out_;
 }
 
-}  // namespace
+}  // namespace test_rollout_keys

@@ -4,11 +4,11 @@
 #include "graphsolve/simd/lanes.hpp"
 #include "rollout_program.hpp"
 
+namespace test_rollout_mpi {
+
 // `graphsolve rollout` under mpirun: the bytes of one process, and an end for all when one ends.
 
 #ifdef GRAPHSOLVE_MPIRUN
-
-namespace {
 
 namespace fs = std::filesystem;
 
@@ -134,6 +134,6 @@ TEST_F(RolloutMpi, StoppedItNamesThePartsAndWhatIsLeftAndGoesOn) {
   EXPECT_EQ(entries().size(), 1u) << "no parts";
 }
 
-}  // namespace
-
 #endif
+
+}  // namespace test_rollout_mpi

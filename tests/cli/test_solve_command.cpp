@@ -5,9 +5,9 @@
 
 #include "matrix_command.hpp"
 
-// `solve` as a shell sees it.
+namespace test_solve_command {
 
-namespace {
+// `solve` as a shell sees it.
 
 using namespace matrix_command;
 
@@ -244,4 +244,4 @@ TEST_F(SolveCommand, TheRobustChainKeepsTheOrderingThatWasAskedFor) {
   }
 }
 
-}  // namespace
+}  // namespace test_solve_command

@@ -13,9 +13,9 @@
 #include "study/plot.hpp"
 #include "study/table.hpp"
 
-// What the studies are made of, and a study as a shell sees it.
+namespace test_study {
 
-namespace {
+// What the studies are made of, and a study as a shell sees it.
 
 namespace fs = std::filesystem;
 using cli::study::crossing;
@@ -181,4 +181,4 @@ TEST_F(StudyProgram, AnInterruptedStudyKeepsThoseBeforeItAndNamesTheCommandForTh
   EXPECT_FALSE(fs::exists(folder_ / "out/precision.json"));
 }
 
-}  // namespace
+}  // namespace test_study

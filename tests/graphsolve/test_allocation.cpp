@@ -15,7 +15,7 @@
 #include "support/count_allocations.hpp"
 #include "support/problem_families.hpp"
 
-namespace {
+namespace test_allocation {
 
 using namespace graphsolve;
 using allocation::Counting;
@@ -168,4 +168,4 @@ TEST_F(SolverAllocation, SetupOfAChainOfAMillionNodesTakesAsMuchPerNodeAsAShorte
   EXPECT_NEAR(longer.allocations, shorter.allocations, 0.01 * shorter.allocations);
 }
 
-}  // namespace
+}  // namespace test_allocation

@@ -6,7 +6,7 @@
 #include "factorization_cases.hpp"
 #include "support/problem_families.hpp"
 
-namespace {
+namespace test_baselines {
 
 using namespace families;
 using cases::view;
@@ -58,6 +58,6 @@ TEST(Baselines, SayWhyTheyFail) {
   for (const auto& baseline : baselines::all()) EXPECT_EQ(solved(*baseline, singular, b), -1) << baseline->name();
 }
 
-}  // namespace
+}  // namespace test_baselines
 
 #endif

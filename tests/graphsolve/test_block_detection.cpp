@@ -14,7 +14,7 @@
 #include "graphsolve/io/eigen.hpp"
 #include "support/graph_families.hpp"
 
-namespace {
+namespace test_block_detection {
 
 using namespace graphsolve;
 
@@ -282,4 +282,4 @@ TEST(BlockDetection, AHubAndAChainOfMillionsOfPairsAreNotComparedPairByPair) {
   EXPECT_EQ(detect_blocks(sparse(n, t)).graph.size(), n);
 }
 
-}  // namespace
+}  // namespace test_block_detection

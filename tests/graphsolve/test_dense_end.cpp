@@ -10,11 +10,11 @@
 #include "factorization_cases.hpp"
 #include "graphsolve/factorization.hpp"
 
+namespace test_dense_end {
+
 using namespace graphsolve;
 using cases::right_hand_side;
 using cases::view;
-
-namespace {
 
 /// A mesh of nodes of one size, so that its dense end is made of groups.
 BlockGraph mesh(int side, int rows) {
@@ -57,8 +57,6 @@ double error(const Eigen::MatrixXd& a, const Eigen::VectorXd& x, const Eigen::Ve
 }
 
 constexpr std::array kinds{FactorizationKind::ldu, FactorizationKind::ldlt};
-
-}  // namespace
 
 TEST(DenseEnd, SolvesForAllKindsWithAndWithoutPacksAlsoWhereBlocksAreNotDefinite) {
   int seed = 0, largest = 0;
@@ -181,3 +179,5 @@ TEST(DenseEnd, FactoredAgainWhereSomeNodesChangedIsThatOfAWholeFactorization) {
         EXPECT_LE(error(a, x, b), 1e-13);
       }
 }
+
+}  // namespace test_dense_end

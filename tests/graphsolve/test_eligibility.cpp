@@ -4,7 +4,7 @@
 
 #include "graphsolve/ordering.hpp"
 
-namespace {
+namespace test_eligibility {
 
 using namespace graphsolve;
 
@@ -169,4 +169,4 @@ TEST(Eligibility, SaddleNodeWaitsForItsSemidefiniteNeighboursToo) {
   EXPECT_FALSE(eliminate.rule.eligible(x));
 }
 
-}  // namespace
+}  // namespace test_eligibility

@@ -13,8 +13,9 @@
 #include "support/problem_families.hpp"
 
 /// Places of a matrix in a factorization: whatever stood there before, what is read is the matrix and zeros.
-namespace graphsolve {
-namespace {
+namespace test_entry_map {
+
+using namespace graphsolve;
 
 using families::Family;
 using families::Problem;
@@ -66,5 +67,4 @@ TEST(EntryMap, OfASymmetricKindLeavesTheBlocksOfTheOtherTriangle) {
   EXPECT_EQ(untouched(EntryMap(matrix, structure, symbolic, FactorizationKind::ldlt)), 6 * 18);  // six couplings of 3 x 6
 }
 
-}  // namespace
-}  // namespace graphsolve
+}  // namespace test_entry_map

@@ -9,7 +9,7 @@
 #include "factorization_cases.hpp"
 #include "support/dense.hpp"
 
-namespace {
+namespace test_factorization {
 
 using namespace graphsolve;
 using cases::relative;
@@ -164,4 +164,4 @@ TEST(Factorization, NotANumberIsReportedAtItsPivot) {
   EXPECT_EQ(f.symbolic().node(outcome.first_bad_pivot), NodeId{1});
 }
 
-}  // namespace
+}  // namespace test_factorization

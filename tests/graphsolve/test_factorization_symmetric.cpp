@@ -11,8 +11,9 @@
 #include "graphsolve/factorization.hpp"
 #include "support/dense.hpp"
 
+namespace test_factorization_symmetric {
+
 // LDL^T and Cholesky on the plan of the LDU, against dense Eigen.
-namespace {
 
 using namespace graphsolve;
 using cases::relative;
@@ -268,4 +269,4 @@ TEST(Factorization, RightHandSidesOfAWrongSizeAreRefusedWithBothSizes) {
   }
 }
 
-}  // namespace
+}  // namespace test_factorization_symmetric

@@ -6,9 +6,10 @@
 
 #include "graphsolve/symbolic.hpp"
 
+namespace test_figure3 {
+
 /// Fig. 3 of the paper: one leg of a quadruped with an explicit contact. Nodes 1-3 trunk, upper and lower leg,
 /// 4 and 5 the joints, 6 friction, 7 and 8 its limits, 9 contact. The figure's orders are taken as drawn.
-namespace {
 
 using namespace graphsolve;
 using Pair = std::pair<int, int>;
@@ -48,4 +49,4 @@ TEST(Figure3, MinimalCoordinatesLegHasOneFillBlockPerBody) {
   EXPECT_EQ(fill, (std::set<Pair>{{8, 3}, {8, 2}, {8, 1}}));
 }
 
-}  // namespace
+}  // namespace test_figure3

@@ -17,7 +17,7 @@
 #include "graphsolve/symbolic.hpp"
 #include "support/graph_families.hpp"
 
-namespace {
+namespace test_fill_analysis {
 
 using namespace graphsolve;
 
@@ -275,4 +275,4 @@ TEST(FillAnalysis, AnotherGraphsEliminationIsRefused) {
                std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace test_fill_analysis

@@ -13,7 +13,7 @@
 #include "graphsolve/simd/lanes.hpp"
 #include "support/problem_families.hpp"
 
-namespace {
+namespace test_instruction_sets {
 
 using namespace graphsolve;
 using cases::relative;
@@ -143,4 +143,4 @@ TEST_P(InstructionSets, AComponentIsTheSameInBitsInAnyCompany) {
 INSTANTIATE_TEST_SUITE_P(All, InstructionSets, testing::ValuesIn(simd::instruction_sets()),
                          [](const auto& instance) { return std::string(name(instance.param)); });
 
-}  // namespace
+}  // namespace test_instruction_sets

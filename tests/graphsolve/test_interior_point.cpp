@@ -14,7 +14,7 @@
 #include "graphsolve/ordering.hpp"
 #include "support/dense.hpp"
 
-namespace {
+namespace test_interior_point {
 
 using namespace graphsolve;
 
@@ -370,4 +370,4 @@ TEST(Status, EveryOneHasANameAndAllButSolvedAnExplanation) {
   }
 }
 
-}  // namespace
+}  // namespace test_interior_point

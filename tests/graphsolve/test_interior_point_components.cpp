@@ -11,9 +11,9 @@
 #include "graphsolve/nonnegative.hpp"
 #include "graphsolve/ordering.hpp"
 
-// A component of the graph goes its own way, whatever becomes of the others beside it.
+namespace test_interior_point_components {
 
-namespace {
+// A component of the graph goes its own way, whatever becomes of the others beside it.
 
 using namespace graphsolve;
 
@@ -101,4 +101,4 @@ TEST(InteriorPointComponents, SelectedLaterAreMeasuredByTheirOwnScaleAsThoseSele
   }
 }
 
-}  // namespace
+}  // namespace test_interior_point_components

@@ -4,7 +4,7 @@
 #include "graphsolve/io/json_lines.hpp"
 #include "support/graph_families.hpp"
 
-namespace {
+namespace test_io_block_map {
 
 using namespace graphsolve;
 using namespace graphsolve::io;
@@ -169,4 +169,4 @@ TEST(LineOfJson, TheLastValueOnTheWayCounts) {
   EXPECT_EQ(line({{"a"}, {"", 1}, {"", 1}}), 5);  // nor does a list that is over
 }
 
-}  // namespace
+}  // namespace test_io_block_map

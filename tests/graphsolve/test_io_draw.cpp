@@ -4,7 +4,7 @@
 #include "graphsolve/io/draw.hpp"
 #include "support/graph_families.hpp"
 
-namespace {
+namespace test_io_draw {
 
 using namespace graphsolve;
 
@@ -64,4 +64,4 @@ TEST(GraphPicture, EveryNodeAndEdgeIsThereOnce) {
   EXPECT_EQ(occurrences(io::tree_dot(graph, symbolic), " -> "), graph.size() - symbolic.components());
 }
 
-}  // namespace
+}  // namespace test_io_draw

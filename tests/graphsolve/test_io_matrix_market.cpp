@@ -11,7 +11,7 @@
 #include "graphsolve/io/eigen.hpp"
 #include "graphsolve/io/matrix_market.hpp"
 
-namespace {
+namespace test_io_matrix_market {
 
 namespace fs = std::filesystem;
 using namespace graphsolve;
@@ -324,4 +324,4 @@ TEST(RealMatrices, AllAreReadAndComeBackBitForBit) {
   EXPECT_GE(read, 20);
 }
 
-}  // namespace
+}  // namespace test_io_matrix_market

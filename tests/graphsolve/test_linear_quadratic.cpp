@@ -15,7 +15,7 @@
 #include "graphsolve/nonnegative.hpp"
 #include "support/dense.hpp"
 
-namespace {
+namespace test_linear_quadratic {
 
 using namespace graphsolve;
 
@@ -181,4 +181,4 @@ TEST(LinearQuadratic, WrongLengthsAreNamed) {
   EXPECT_EQ(message(sides), "right-hand side of constraint 0: 2 entries where 1 are needed");
 }
 
-}  // namespace
+}  // namespace test_linear_quadratic

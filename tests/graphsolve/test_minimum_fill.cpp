@@ -11,7 +11,7 @@
 #include "graphsolve/symbolic.hpp"
 #include "support/graph_families.hpp"
 
-namespace {
+namespace test_minimum_fill {
 
 using namespace graphsolve;
 
@@ -142,4 +142,4 @@ TEST(MinimumFill, TimeOfHubsAndChainsGrowsWithTheirSizeNotItsSquare) {
   EXPECT_LT(seconds(families::chain(64000)), 100 * seconds(families::chain(4000)));
 }
 
-}  // namespace
+}  // namespace test_minimum_fill

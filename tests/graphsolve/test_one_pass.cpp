@@ -9,11 +9,11 @@
 #include "factorization_cases.hpp"
 #include "graphsolve/factorization.hpp"
 
+namespace test_one_pass {
+
 using namespace graphsolve;
 using cases::right_hand_side;
 using cases::view;
-
-namespace {
 
 /// The symmetric part of a dominant matrix.
 Eigen::MatrixXd symmetric_matrix(const BlockGraph& graph, std::uint64_t seed) {
@@ -41,8 +41,6 @@ BlockGraph herd(int copies) {
 }
 
 constexpr std::array kinds{FactorizationKind::ldu, FactorizationKind::ldlt, FactorizationKind::cholesky};
-
-}  // namespace
 
 TEST(OnePass, GivesTheBitsOfTwo) {
   int seed = 0;
@@ -101,3 +99,5 @@ TEST(OnePass, RefusesVectorsOfAnotherSize) {
   Eigen::VectorXd x = right_hand_side(graph.rows() + 1);
   EXPECT_THROW((void)f.factorize_and_solve(view(x)), std::invalid_argument);
 }
+
+}  // namespace test_one_pass

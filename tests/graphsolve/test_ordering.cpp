@@ -18,7 +18,7 @@
 #include "support/dense.hpp"
 #include "support/graph_families.hpp"
 
-namespace {
+namespace test_ordering {
 
 using namespace graphsolve;
 
@@ -305,4 +305,4 @@ TEST(Ordering, UserSequenceThatIsNoPermutationIsRefused) {
   EXPECT_THROW(static_cast<void>(user_ordering(graph, foreign)), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace test_ordering

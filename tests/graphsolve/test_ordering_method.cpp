@@ -14,7 +14,7 @@
 #include "graphsolve/symbolic.hpp"
 #include "support/graph_families.hpp"
 
-namespace {
+namespace test_ordering_method {
 
 using namespace graphsolve;
 
@@ -162,4 +162,4 @@ TEST(CheapestInPacks, RefusesMethodsThatAreAllMissing) {
   EXPECT_THROW((void)cheapest_in_packs(families::chain(5), FactorizationKind::ldu, {}), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace test_ordering_method

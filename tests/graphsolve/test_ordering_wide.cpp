@@ -12,7 +12,7 @@
 #include "graphsolve/symbolic.hpp"
 #include "support/graph_families.hpp"
 
-namespace {
+namespace test_ordering_wide {
 
 using namespace graphsolve;
 
@@ -125,4 +125,4 @@ TEST(WideOrdering, CostlessStatesAreNeverForced) {
   for (int seed = 1; seed <= 100; ++seed) EXPECT_EQ(wide_ordering(families::control(2 + seed % 30, seed)).forced, 0);
 }
 
-}  // namespace
+}  // namespace test_ordering_wide

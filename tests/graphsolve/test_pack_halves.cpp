@@ -9,11 +9,11 @@
 #include "graphsolve/simd/lane_blocks.hpp"
 #include "support/dense.hpp"
 
+namespace test_pack_halves {
+
 using namespace graphsolve;
 using cases::right_hand_side;
 using cases::view;
-
-namespace {
 
 /// A saddle system whose regular blocks of six hold two variables of three that do not know each other, but for
 /// `coupling` between the first of both.
@@ -53,8 +53,6 @@ void with_each_instruction_set(F&& f) {
   }
   simd::use_instruction_set(before);
 }
-
-}  // namespace
 
 TEST(PackHalves, AreSolvedWithTheBitsOfTheWholeBlock) {
   with_each_instruction_set([] {
@@ -105,3 +103,5 @@ TEST(PackHalves, WhatIsNoNumberBetweenThemIsNotOverlooked) {
     with_each_instruction_set([&] { EXPECT_FALSE(solve(graph, matrix).outcome.ok()); });
   }
 }
+
+}  // namespace test_pack_halves

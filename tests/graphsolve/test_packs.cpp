@@ -12,11 +12,11 @@
 #include "graphsolve/simd/lane_blocks.hpp"
 #include "support/dense.hpp"
 
+namespace test_packs {
+
 using namespace graphsolve;
 using cases::right_hand_side;
 using cases::view;
-
-namespace {
 
 /// Goes back to the best instruction set whatever the test does.
 struct KeepInstructionSet {
@@ -48,8 +48,6 @@ std::vector<BlockGraph> graphs() {
   }
   return list;
 }
-
-}  // namespace
 
 TEST(Packs, SolveAsTheScalarPathDoesOnEveryFamilyAndInstructionSet) {
   const KeepInstructionSet keep;
@@ -100,8 +98,6 @@ TEST(Packs, LanesThatNeedExchangesOfRowsAreDoneAlone) {
   }
 }
 
-namespace {
-
 /// Equal graphs side by side, as one graph.
 BlockGraph copies(int count) {
   BlockGraph graph;
@@ -119,8 +115,6 @@ BlockGraph copies(int count) {
   }
   return graph;
 }
-
-}  // namespace
 
 TEST(Packs, ComponentDoesNotDependOnThoseFactoredWithIt) {
   const BlockGraph graph = copies(8);
@@ -303,3 +297,5 @@ TEST(Packs, InstructionSetsAreNamedAndOneThatIsNotThereIsRefused) {
     EXPECT_THROW(simd::use_instruction_set(simd::InstructionSet::avx512), std::invalid_argument);
   }
 }
+
+}  // namespace test_packs

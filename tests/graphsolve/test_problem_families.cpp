@@ -7,7 +7,7 @@
 #include "support/dense.hpp"
 #include "support/problem_families.hpp"
 
-namespace {
+namespace test_problem_families {
 
 using namespace families;
 using cases::view;
@@ -87,4 +87,4 @@ TEST(ProblemFamilies, BackwardErrorOfAWrongOrMissingNumberIsSeen) {
   EXPECT_TRUE(std::isnan(backward_error(problem.matrix, view(x), view(problem.right))));
 }
 
-}  // namespace
+}  // namespace test_problem_families

@@ -12,7 +12,7 @@
 #include "graphsolve/robust_solver.hpp"
 #include "graphsolve/supernodes.hpp"
 
-namespace {
+namespace test_real_problems {
 
 using namespace graphsolve;
 using families::Problem;
@@ -140,4 +140,4 @@ TEST(RealProblems, MergedNodesPromiseOneAndAHalfTimesTheSpeedOnMeshes) {
   }
 }
 
-}  // namespace
+}  // namespace test_real_problems

@@ -8,7 +8,7 @@
 #include "graphsolve/factorization.hpp"
 #include "support/problem_families.hpp"
 
-namespace {
+namespace test_refactorize {
 
 using namespace graphsolve;
 using families::Problem;
@@ -174,4 +174,4 @@ TEST(Refinement, ReachesTheGoalOnEveryFamilyAndHardVariantForBothKinds) {
         }
 }
 
-}  // namespace
+}  // namespace test_refactorize

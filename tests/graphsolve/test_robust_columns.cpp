@@ -12,7 +12,7 @@
 #include "pair_of_nodes.hpp"
 #include "support/problem_families.hpp"
 
-namespace {
+namespace test_robust_columns {
 
 using namespace graphsolve;
 using cases::fill;
@@ -285,4 +285,4 @@ TEST(Refinement, OfTransposedSystemsTakesResidualsInTwiceThePrecisionWhereOthers
     }
 }
 
-}  // namespace
+}  // namespace test_robust_columns

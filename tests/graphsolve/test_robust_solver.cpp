@@ -13,7 +13,7 @@
 #include "pair_of_nodes.hpp"
 #include "support/problem_families.hpp"
 
-namespace {
+namespace test_robust_solver {
 
 using namespace graphsolve;
 using cases::fill;
@@ -276,4 +276,4 @@ TEST(Diagnosis, NamesRedundantRowsOfAProblemOfTheInteriorPoint) {
   ASSERT_EQ(solver.solve(x), Status::solved) << "it goes on as before";
 }
 
-}  // namespace
+}  // namespace test_robust_solver

@@ -9,7 +9,7 @@
 #include "graphsolve/factorization.hpp"
 #include "support/graph_families.hpp"
 
-namespace {
+namespace test_supernodes {
 
 using namespace graphsolve;
 
@@ -106,4 +106,4 @@ TEST(Supernodes, AnOrderingOfAnotherGraphIsRefused) {
   EXPECT_THROW(merge_supernodes(graph, twice), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace test_supernodes

@@ -8,7 +8,7 @@
 #include "graphsolve/ordering_method.hpp"
 #include "support/graph_families.hpp"
 
-namespace {
+namespace test_symbolic {
 
 using namespace graphsolve;
 
@@ -132,4 +132,4 @@ TEST(Symbolic, BlockWithoutAPlaceInTheFactorIsRefused) {
   EXPECT_THROW(Symbolic(graph, Ordering{.sequence = {{0}}}), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace test_symbolic

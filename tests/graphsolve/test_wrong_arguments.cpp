@@ -19,8 +19,9 @@
 #include "graphsolve/problem.hpp"
 #include "graphsolve/robust_solver.hpp"
 
+namespace test_wrong_arguments {
+
 /// Sizes and numbers that do not fit are refused before anything is read or written.
-namespace {
 
 using namespace graphsolve;
 
@@ -229,4 +230,4 @@ TEST(WrongArguments, AMatrixGoesToAndFroInItsOwnSizesOnly) {
   EXPECT_THROW(EntryMap(crooked, blocks, symbolic), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace test_wrong_arguments

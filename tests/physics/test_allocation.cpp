@@ -17,7 +17,7 @@
 #include "support/count_allocations.hpp"
 #include "thrown_rod.hpp"
 
-namespace {
+namespace test_allocation {
 
 using namespace physics;
 
@@ -262,4 +262,4 @@ TEST_F(Allocation, WhatABatchSaysThatItNeedsIsALowerBound) {
   }
 }
 
-}  // namespace
+}  // namespace test_allocation

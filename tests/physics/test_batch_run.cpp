@@ -11,7 +11,7 @@
 #include "physics/batch_variation.hpp"
 #include "physics/scenes.hpp"
 
-namespace {
+namespace test_batch_run {
 
 using namespace physics;
 
@@ -180,4 +180,4 @@ TEST(BatchVariation, EveryKeySetsWhatItSays) {
   EXPECT_THROW(set_value(scene, "friction", -1), DescriptionError);
 }
 
-}  // namespace
+}  // namespace test_batch_run

@@ -12,7 +12,7 @@
 #include "physics/scenes.hpp"
 #include "physics/simulator.hpp"
 
-namespace {
+namespace test_batch_simulator {
 
 using namespace physics;
 
@@ -209,4 +209,4 @@ TEST(BatchSimulator, AnEmptyBatchIsRefused) {
   EXPECT_THROW(BatchSimulator(built_in_scene("disc"), 0), DescriptionError);
 }
 
-}  // namespace
+}  // namespace test_batch_simulator

@@ -4,8 +4,9 @@
 
 #include "support/campaign.hpp"
 
+namespace test_campaign {
+
 /// A slice of the campaign of extremes; the program `campaign` in bench/ runs the whole of it.
-namespace {
 
 campaign::Report slice(std::vector<std::string> families, int steps) {
   campaign::Options options;
@@ -96,4 +97,4 @@ TEST(Campaign, ALightChainThatSnapsTautIsSolvedOrReportedButNeverSilentlyWrong) 
   for (const auto& failure : report.failures) EXPECT_NE(failure.status, "solved");
 }
 
-}  // namespace
+}  // namespace test_campaign

@@ -8,7 +8,7 @@
 #include "support/certificate.hpp"
 #include "support/reference_files.hpp"
 
-namespace {
+namespace test_certificate {
 
 using certificate::Certificate;
 using certificate::certify;
@@ -198,4 +198,4 @@ TEST(Certificate, RefusesRecordsThatDoNotFollowEachOther) {
   EXPECT_THROW(certify_step(trajectory.mechanism, trajectory.steps[0], trajectory.steps[2]), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace test_certificate

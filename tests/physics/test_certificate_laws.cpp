@@ -8,7 +8,7 @@
 #include "support/certificate.hpp"
 #include "support/reference_files.hpp"
 
-namespace {
+namespace test_certificate_laws {
 
 using certificate::Certificate;
 using certificate::certify_step;
@@ -322,4 +322,4 @@ TEST(CertificateOfFlaggedSteps, OnlyJointsAndDistancesAreJudged) {
   EXPECT_NEAR(sphere.judge().penetration.value, 1e-6, 1e-9);
 }
 
-}  // namespace
+}  // namespace test_certificate_laws

@@ -12,7 +12,7 @@
 #include "physics/simulator.hpp"
 #include "support/certificate.hpp"
 
-namespace {
+namespace test_certificate_scenes {
 
 using namespace physics;
 
@@ -143,4 +143,4 @@ TEST(CertificateOfVariants, EveryStepOfTheHopperPassesWithPyramidAtTwiceTheTimeS
   expect_certified("hopper:model=pyramid,dt=0.002", 1.2);
 }
 
-}  // namespace
+}  // namespace test_certificate_scenes

@@ -13,7 +13,7 @@
 #include "physics/scenes.hpp"
 #include "physics/simulator.hpp"
 
-namespace {
+namespace test_closed_forms {
 
 using namespace physics;
 
@@ -255,4 +255,4 @@ TEST(BoxAtRest, NeverSinksDeeperThanAnAtom) {
   }
 }
 
-}  // namespace
+}  // namespace test_closed_forms

@@ -13,7 +13,7 @@
 #include "physics/scenes.hpp"
 #include "physics/simulator.hpp"
 
-namespace {
+namespace test_closed_forms_friction {
 
 using namespace physics;
 
@@ -271,4 +271,4 @@ TEST(SpinningSphere, EndsRollingAtTwoSeventhsOfItsRimSpeed) {
   }
 }
 
-}  // namespace
+}  // namespace test_closed_forms_friction

@@ -5,9 +5,9 @@
 #include "physics/simulator.hpp"
 #include "thrown_rod.hpp"
 
-// Contacts that seemed out of reach before a step and were not.
+namespace test_culling {
 
-namespace {
+// Contacts that seemed out of reach before a step and were not.
 
 using namespace physics;
 
@@ -46,4 +46,4 @@ TEST(Culling, AContactThatIsNotReachedStaysOut) {
   EXPECT_NEAR(simulator.smallest_distance(), 0, 1e-7);
 }
 
-}  // namespace
+}  // namespace test_culling

@@ -9,8 +9,9 @@
 #include "terms/joints.hpp"
 #include "terms/pyramid_law.hpp"
 
+namespace test_derivatives {
+
 /// Every term, port and law of the simulator against central differences, in general position in space.
-namespace {
 
 using namespace physics;
 using graphsolve::NodeId;
@@ -208,4 +209,4 @@ TEST_F(Derivatives, FourFacetsFromTheTableAndFromTheShortFormCondenseEqually) {
   }
 }
 
-}  // namespace
+}  // namespace test_derivatives

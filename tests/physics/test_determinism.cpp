@@ -13,7 +13,7 @@
 #include "physics/scenes.hpp"
 #include "physics/simulator.hpp"
 
-namespace {
+namespace test_determinism {
 
 using namespace physics;
 
@@ -147,4 +147,4 @@ TEST(Determinism, TwoSimulatorsContinuedFromTheSameRecordAgreeInEveryBit) {
   }
 }
 
-}  // namespace
+}  // namespace test_determinism

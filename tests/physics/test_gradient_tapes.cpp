@@ -9,8 +9,9 @@
 #include "physics/scenes.hpp"
 #include "physics/simulator.hpp"
 
+namespace test_gradient_tapes {
+
 /// Derivatives through many steps, one StepGradient for each, against central differences of whole runs.
-namespace {
 
 using namespace physics;
 
@@ -86,4 +87,4 @@ TEST(GradientTape, ThroughAFixedPyramidIsThatOfTheWholeRun) {
   expect_agreement(built_in_scene("sliding_box:heading=30,model=pyramid"), 20, 1e-3);
 }
 
-}  // namespace
+}  // namespace test_gradient_tapes

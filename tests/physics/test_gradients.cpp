@@ -11,8 +11,9 @@
 #include "gradient_check.hpp"
 #include "physics/scenes.hpp"
 
+namespace test_gradients {
+
 /// Derivatives of a step against central differences of steps, in space.
-namespace {
 
 using namespace physics;
 using gradient_check::Case;
@@ -260,4 +261,4 @@ TEST(StepGradient, LeavesTheSimulatorAsItWasToTheLastBit) {
   }
 }
 
-}  // namespace
+}  // namespace test_gradients

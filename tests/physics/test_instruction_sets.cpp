@@ -8,8 +8,9 @@
 #include "physics/scenes.hpp"
 #include "physics/simulator.hpp"
 
+namespace test_instruction_sets {
+
 /// One step by each instruction set that this machine has, from the same states.
-namespace {
 
 using namespace physics;
 
@@ -53,4 +54,4 @@ TEST(InstructionSets, AgreeOverOneStepToANanometre) {
   }
 }
 
-}  // namespace
+}  // namespace test_instruction_sets

@@ -13,7 +13,7 @@
 #include "physics/scenes.hpp"
 #include "physics/simulator.hpp"
 
-namespace {
+namespace test_iterations {
 
 using namespace physics;
 
@@ -178,4 +178,4 @@ TEST(Iterations, OfTheWalkingQuadrupedAreSixAtMostOnAverage) {
   }
 }
 
-}  // namespace
+}  // namespace test_iterations

@@ -6,10 +6,11 @@
 #include "physics/simulator.hpp"
 #include "support/certificate.hpp"
 
+namespace test_jammed_chain {
+
 /// A foot of 3 g slides under a tumbling chain of 220 kg (campaign, seed 11, mass_ratio scene 162): as in Painleve's
 /// paradox no force near the last one holds the step, however short it is. What does lies where the slip has stopped, and
 /// steps of frozen friction bounds get there only if they grow.
-namespace {
 
 using namespace physics;
 
@@ -31,4 +32,4 @@ TEST(JammedChain, TheStepIsFoundFarFromTheOneBefore) {
   }
 }
 
-}  // namespace
+}  // namespace test_jammed_chain

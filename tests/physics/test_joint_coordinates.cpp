@@ -15,7 +15,7 @@
 #include "physics/scenes.hpp"
 #include "physics/simulator.hpp"
 
-namespace {
+namespace test_joint_coordinates {
 
 using namespace physics;
 
@@ -286,4 +286,4 @@ TEST(JointCoordinates, StandInTrajectories) {
   EXPECT_NE(csv.str().find(",hinge.effort,hinge.coordinate,hinge.rate,solver.status"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace test_joint_coordinates

@@ -6,10 +6,10 @@
 #include "physics/simulator.hpp"
 #include "support/certificate.hpp"
 
+namespace test_merged_bodies {
+
 // Bodies held by fixed joints become one. Kept apart by their joints they move the same way: the chord of a member off
 // the centre is as long as its velocity says, so that both have the same discrete Lagrangian.
-
-namespace {
 
 using namespace physics;
 
@@ -121,4 +121,4 @@ TEST(MergedBodies, ASceneWhereNothingMovesIsStepped) {
   }
 }
 
-}  // namespace
+}  // namespace test_merged_bodies

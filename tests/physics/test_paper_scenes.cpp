@@ -13,7 +13,7 @@
 #include "physics/run.hpp"
 #include "physics/scenes.hpp"
 
-namespace {
+namespace test_paper_scenes {
 
 using namespace physics;
 
@@ -209,4 +209,4 @@ TEST(PaperQuadruped, WalksForwardForThreeSecondsOnFeetThatNeverSink) {
               summary.most_iterations, std::acos(upright) * 180 / std::numbers::pi);
 }
 
-}  // namespace
+}  // namespace test_paper_scenes

@@ -7,7 +7,7 @@
 #include "simd/octet.hpp"
 #include "simd/placement.hpp"
 
-namespace {
+namespace test_placement {
 
 using namespace physics;
 
@@ -40,4 +40,4 @@ TEST(Placement, ItemsOfOneBlockComeOneAfterTheOtherAndKindsDoNotMix) {
   EXPECT_EQ(octet_of(place[24]), 3);
 }
 
-}  // namespace
+}  // namespace test_placement

@@ -11,8 +11,9 @@
 #include "graphsolve/simd/lanes.hpp"
 #include "graphsolve/symbolic.hpp"
 
+namespace test_pyramid_contacts {
+
 /// Contacts in packs against the same contacts one by one: ContactPort<3> with PyramidLaw<4>.
-namespace {
 
 using namespace physics;
 using graphsolve::NodeId;
@@ -194,4 +195,4 @@ TEST_P(PyramidContactsTest, OfANewStartForgetAStepThatWasNoNumber) {
 INSTANTIATE_TEST_SUITE_P(On, PyramidContactsTest, testing::ValuesIn(graphsolve::simd::instruction_sets()),
                          [](const auto& set) { return std::string(graphsolve::simd::name(set.param)); });
 
-}  // namespace
+}  // namespace test_pyramid_contacts

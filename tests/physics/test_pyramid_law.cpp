@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace test_pyramid_law {
 
 /// A stuck contact that creeps by 5e-9 m/s along t1. With psi = 0 both facets along t1 miss by 5e-9; the law, with psi made
 /// from the slip, misses by 1e-8: the facet that pushes along the slip should let go at twice the slip.
@@ -25,4 +25,4 @@ TEST(PyramidLaw, NaturalErrorIsThatOfSlipAndImpulsesWhateverTheSlackPsi) {
   }
 }
 
-}  // namespace
+}  // namespace test_pyramid_law

@@ -4,8 +4,9 @@
 #include "physics/simulator.hpp"
 #include "support/reference_files.hpp"
 
+namespace test_reference {
+
 /// Trajectories of an independent dense oracle: the same scheme, another code and another solver.
-namespace {
 
 using namespace physics;
 
@@ -98,4 +99,4 @@ TEST_P(Reference, PathFromTheStartIsReproduced) {
 INSTANTIATE_TEST_SUITE_P(Oracle, Reference, testing::ValuesIn(reference::names()),
                          [](const auto& test) { return test.param; });
 
-}  // namespace
+}  // namespace test_reference

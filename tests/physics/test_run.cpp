@@ -5,7 +5,7 @@
 #include "physics/run.hpp"
 #include "physics/scenes.hpp"
 
-namespace {
+namespace test_run {
 
 using namespace physics;
 
@@ -118,4 +118,4 @@ TEST(Run, PhasesAreTimedOnlyOnRequest) {
   EXPECT_EQ(simulator.phase_times().total(), 0);
 }
 
-}  // namespace
+}  // namespace test_run

@@ -7,9 +7,9 @@
 #include "everything_scene.hpp"
 #include "physics/scene_io.hpp"
 
-// Wrong files: every error says where and what, in one sentence.
+namespace test_scene_errors {
 
-namespace {
+// Wrong files: every error says where and what, in one sentence.
 
 using namespace physics;
 
@@ -215,4 +215,4 @@ TEST(SceneErrors, FilesThatCannotBeReadAreNamed) {
   std::filesystem::remove(folder);
 }
 
-}  // namespace
+}  // namespace test_scene_errors

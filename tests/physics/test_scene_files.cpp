@@ -8,9 +8,9 @@
 #include "physics/scene_io.hpp"
 #include "physics/scenes.hpp"
 
-// Files appear complete or not at all.
+namespace test_scene_files {
 
-namespace {
+// Files appear complete or not at all.
 
 using namespace physics;
 namespace fs = std::filesystem;
@@ -129,4 +129,4 @@ TEST_F(SceneFiles, ALinkIsFollowedAndStaysALink) {
   EXPECT_EQ(text("target.json"), "new");
 }
 
-}  // namespace
+}  // namespace test_scene_files

@@ -14,9 +14,9 @@
 #include "physics/simulator.hpp"
 #include "support/reference_files.hpp"
 
-// Reading and writing scenes and trajectories: nothing is lost or changed, in either spelling.
+namespace test_scene_io {
 
-namespace {
+// Reading and writing scenes and trajectories: nothing is lost or changed, in either spelling.
 
 using namespace physics;
 using nlohmann::json;
@@ -263,4 +263,4 @@ TEST(SceneIo, CsvHasOneRowPerRecordAndEqualNumbersOfCells) {
   EXPECT_EQ(rows, trajectory.steps.size());
 }
 
-}  // namespace
+}  // namespace test_scene_io

@@ -9,9 +9,9 @@
 #include "physics/scenes.hpp"
 #include "physics/simulator.hpp"
 
-// The state between two steps: what a failed step leaves of it, and what a record takes up again.
+namespace test_state {
 
-namespace {
+// The state between two steps: what a failed step leaves of it, and what a record takes up again.
 
 using namespace physics;
 
@@ -270,4 +270,4 @@ TEST(State, AJointThatStartsOpenIsNamedWithItsUnit) {
   EXPECT_EQ(turned, joint + "its bodies start 0.1 rad off their orientation");
 }
 
-}  // namespace
+}  // namespace test_state

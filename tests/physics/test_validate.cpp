@@ -6,9 +6,9 @@
 
 #include "physics/mechanism.hpp"
 
-// Every error of `validate` is provoked once; its sentence names the thing, the key and the value.
+namespace test_validate {
 
-namespace {
+// Every error of `validate` is provoked once; its sentence names the thing, the key and the value.
 
 using namespace physics;
 
@@ -330,4 +330,4 @@ TEST(ShapeInertia, OfACapsuleMatchesASumOverSlices) {
   EXPECT_NEAR(inertia(2, 2), 3 * axial / volume, 1e-7);
 }
 
-}  // namespace
+}  // namespace test_validate

@@ -11,7 +11,7 @@
 #include "physics/scenes.hpp"
 #include "physics/simulator.hpp"
 
-namespace {
+namespace test_variation_keys {
 
 using namespace physics;
 
@@ -290,4 +290,4 @@ TEST(VariationKeys, WhatNamesNothingOrMakesNoSenseIsOneSentence) {
     EXPECT_NE(refusal(quadruped, key).find("unknown key; there are: friction"), std::string::npos) << key;
 }
 
-}  // namespace
+}  // namespace test_variation_keys

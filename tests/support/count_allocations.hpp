@@ -29,7 +29,7 @@ inline std::atomic<long> count{0};
 inline std::atomic<std::int64_t> bytes{0};
 inline std::atomic<std::int64_t> in_use{0};
 
-inline void note(const void* memory, std::size_t size) {
+inline void note([[maybe_unused]] const void* memory, std::size_t size) {
 #if TESTS_COUNT_ALLOCATIONS
   if (memory) in_use.fetch_add(static_cast<std::int64_t>(malloc_usable_size(const_cast<void*>(memory))) + 8, std::memory_order_relaxed);
 #endif
@@ -53,7 +53,7 @@ class Counting {
   [[nodiscard]] static std::int64_t bytes_so_far() { return bytes; }  ///< asked for, freed or not
 };
 
-inline void note_freed(void* memory) {
+inline void note_freed([[maybe_unused]] void* memory) {
 #if TESTS_COUNT_ALLOCATIONS
   if (memory) in_use.fetch_sub(static_cast<std::int64_t>(malloc_usable_size(memory)) + 8, std::memory_order_relaxed);
 #endif

@@ -5,7 +5,7 @@
 #include "graphsolve/factorization.hpp"
 #include "support/problem_families.hpp"
 
-namespace {
+namespace test_threads {
 
 using namespace graphsolve;
 
@@ -65,4 +65,4 @@ TEST(Threads, ShareOneSymbolicAndGiveTheBitsOfASerialRun) {
   }
 }
 
-}  // namespace
+}  // namespace test_threads

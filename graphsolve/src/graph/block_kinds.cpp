@@ -134,7 +134,7 @@ double row_pivot(const Eigen::MatrixXd& j) {
 
 /// A coupling counts when it is no weaker than this part of the strongest of the same block. Three digits may be lost,
 /// which refinement returns; asking for more leaves costless variables without a host, and then nothing is eligible.
-constexpr double weakest = 1e-3;
+constexpr double weakest_coupling = 1e-3;
 
 }  // namespace
 
@@ -155,7 +155,7 @@ std::vector<BlockCoupling> infer_ranks(const KindInput& input, std::span<const N
       pivots.push_back(pivot);
     }
     for (std::size_t k = 0; k < found.size(); ++k)
-      if (pivots[k] >= weakest * largest && pivots[k] > 0) ranks.push_back(found[k]);
+      if (pivots[k] >= weakest_coupling * largest && pivots[k] > 0) ranks.push_back(found[k]);
   };
   for (int b = 0; b < static_cast<int>(kinds.size()); ++b) {
     if (kinds[b] == NodeKind::saddle) add(b, NodeKind::saddle, EdgeRank::full_row);

@@ -8,7 +8,7 @@ namespace graphsolve {
 
 namespace {
 
-constexpr double weakest = 1e-3;  ///< an entry counts from this part of the largest of its row on
+constexpr double weakest_entry = 1e-3;  ///< an entry counts from this part of the largest of its row on
 
 constexpr int many_constraints = 16;
 
@@ -43,7 +43,7 @@ Eigen::SparseMatrix<double> constraints_without(const KindInput& input, std::spa
         const int i = input.matrix.row[k], other = input.block_of[i];
         if (kinds[other] == NodeKind::saddle || std::ranges::binary_search(hubs, other)) continue;
         const double size = std::abs(input.matrix.value[k]);
-        if (size > 0 && size >= weakest * largest) entries.emplace_back(i, column, 1.0);
+        if (size > 0 && size >= weakest_entry * largest) entries.emplace_back(i, column, 1.0);
       }
       ++column;
     }

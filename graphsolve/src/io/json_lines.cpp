@@ -8,8 +8,6 @@ namespace graphsolve::io {
 
 namespace {
 
-using Json = nlohmann::json;
-
 /// Receives the parser's events, in the shape that nlohmann::json prescribes, and follows the path. False ends the
 /// parse.
 class LineFinder {
@@ -18,11 +16,11 @@ class LineFinder {
 
   bool null() { return value(); }
   bool boolean(bool) { return value(); }
-  bool number_integer(Json::number_integer_t) { return value(); }
-  bool number_unsigned(Json::number_unsigned_t) { return value(); }
-  bool number_float(Json::number_float_t, const std::string&) { return value(); }
+  bool number_integer(nlohmann::json::number_integer_t) { return value(); }
+  bool number_unsigned(nlohmann::json::number_unsigned_t) { return value(); }
+  bool number_float(nlohmann::json::number_float_t, const std::string&) { return value(); }
   bool string(std::string&) { return value(); }
-  bool binary(Json::binary_t&) { return false; }
+  bool binary(nlohmann::json::binary_t&) { return false; }
   bool start_object(std::size_t) { return open(); }
   bool start_array(std::size_t) { return open(); }
   bool end_object() { return close(); }
@@ -31,7 +29,7 @@ class LineFinder {
     if (open_ == on_way_) key_ = name;
     return true;
   }
-  bool parse_error(std::size_t, const std::string&, const Json::exception&) { return false; }
+  bool parse_error(std::size_t, const std::string&, const nlohmann::json::exception&) { return false; }
 
   std::int64_t line = 1;
 
@@ -76,11 +74,11 @@ class RepetitionFinder {
 
   bool null() { return true; }
   bool boolean(bool) { return true; }
-  bool number_integer(Json::number_integer_t) { return true; }
-  bool number_unsigned(Json::number_unsigned_t) { return true; }
-  bool number_float(Json::number_float_t, const std::string&) { return true; }
+  bool number_integer(nlohmann::json::number_integer_t) { return true; }
+  bool number_unsigned(nlohmann::json::number_unsigned_t) { return true; }
+  bool number_float(nlohmann::json::number_float_t, const std::string&) { return true; }
   bool string(std::string&) { return true; }
-  bool binary(Json::binary_t&) { return false; }
+  bool binary(nlohmann::json::binary_t&) { return false; }
   bool start_object(std::size_t) {
     keys_.emplace_back();
     return true;
@@ -96,7 +94,7 @@ class RepetitionFinder {
     found = RepeatedKey{name, position_.line};
     return false;
   }
-  bool parse_error(std::size_t, const std::string&, const Json::exception&) { return false; }
+  bool parse_error(std::size_t, const std::string&, const nlohmann::json::exception&) { return false; }
 
   std::optional<RepeatedKey> found;
 
@@ -111,7 +109,7 @@ std::int64_t line_of(std::string_view json, std::span<const PathStep> path) {
   LinePosition position;
   LineFinder finder(position, path);
   const LineCounter first(json.data(), &position), last(json.data() + json.size(), &position);
-  Json::sax_parse(first, last, &finder);
+  nlohmann::json::sax_parse(first, last, &finder);
   return finder.line;
 }
 
@@ -119,7 +117,7 @@ std::optional<RepeatedKey> repeated_key(std::string_view json) {
   LinePosition position;
   RepetitionFinder finder(position);
   const LineCounter first(json.data(), &position), last(json.data() + json.size(), &position);
-  Json::sax_parse(first, last, &finder);
+  nlohmann::json::sax_parse(first, last, &finder);
   return finder.found;
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::string_view blanks = " \t\r\f\v";
 
-std::string quoted(std::string_view word) {
+std::string in_quotes(std::string_view word) {
   constexpr std::size_t most = 40;
   return "'" + std::string(word.substr(0, most)) + (word.size() > most ? "..." : "") + "'";
 }
@@ -62,9 +62,9 @@ std::int64_t Lines::integer(std::string_view what) {
   const std::string_view digits = without_plus(found);
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error == std::errc::result_out_of_range) fail("the " + std::string(what) + " " + quoted(found) + " is too large");
+  if (error == std::errc::result_out_of_range) fail("the " + std::string(what) + " " + in_quotes(found) + " is too large");
   if (error != std::errc() || end != digits.data() + digits.size())
-    fail("the " + std::string(what) + " " + quoted(found) + " is no integer");
+    fail("the " + std::string(what) + " " + in_quotes(found) + " is no integer");
   return value;
 }
 
@@ -79,15 +79,15 @@ double Lines::number(std::string_view what) {
     // Too small is zero (or denormal), too large is no number: strtod tells which.
     value = std::strtod(std::string(digits).c_str(), nullptr);
     if (std::abs(value) < 1) return value;
-    fail("the " + std::string(what) + " " + quoted(found) + " is too large");
+    fail("the " + std::string(what) + " " + in_quotes(found) + " is too large");
   }
-  if (error != std::errc() || !whole) fail("the " + std::string(what) + " " + quoted(found) + " is no number");
-  if (!std::isfinite(value)) fail("the " + std::string(what) + " " + quoted(found) + " is not finite");
+  if (error != std::errc() || !whole) fail("the " + std::string(what) + " " + in_quotes(found) + " is no number");
+  if (!std::isfinite(value)) fail("the " + std::string(what) + " " + in_quotes(found) + " is not finite");
   return value;
 }
 
 void Lines::end() {
-  if (const std::string_view extra = word(); !extra.empty()) fail(quoted(extra) + " follows where the line should end");
+  if (const std::string_view extra = word(); !extra.empty()) fail(in_quotes(extra) + " follows where the line should end");
 }
 
 namespace {
@@ -97,21 +97,21 @@ Header read_banner(Lines& lines) {
   const std::string banner = lower(lines.word()), object = lower(lines.word()), format = lower(lines.word()),
                     field = lower(lines.word()), symmetry = lower(lines.word());
   if (banner != "%%matrixmarket")
-    lines.fail("this is no Matrix Market file: it begins with " + quoted(banner) + ", not '%%MatrixMarket'");
-  if (object != "matrix") lines.fail("the object must be 'matrix', not " + quoted(object));
+    lines.fail("this is no Matrix Market file: it begins with " + in_quotes(banner) + ", not '%%MatrixMarket'");
+  if (object != "matrix") lines.fail("the object must be 'matrix', not " + in_quotes(object));
   Header header;
   if (format == "array") header.format = Header::Format::array;
-  else if (format != "coordinate") lines.fail("the format must be 'coordinate' or 'array', not " + quoted(format));
+  else if (format != "coordinate") lines.fail("the format must be 'coordinate' or 'array', not " + in_quotes(format));
   if (field == "integer") header.field = Field::integer;
   else if (field == "pattern") header.field = Field::pattern;
   else if (field == "complex") lines.fail("complex values are not supported");
   else if (field != "real" && field != "double")
-    lines.fail("the field must be 'real', 'integer' or 'pattern', not " + quoted(field));
+    lines.fail("the field must be 'real', 'integer' or 'pattern', not " + in_quotes(field));
   if (symmetry == "symmetric") header.symmetry = Symmetry::symmetric;
   else if (symmetry == "skew-symmetric") header.symmetry = Symmetry::skew_symmetric;
   else if (symmetry == "hermitian") lines.fail("Hermitian matrices are not supported");
   else if (symmetry != "general")
-    lines.fail("the symmetry must be 'general', 'symmetric' or 'skew-symmetric', not " + quoted(symmetry));
+    lines.fail("the symmetry must be 'general', 'symmetric' or 'skew-symmetric', not " + in_quotes(symmetry));
   lines.end();
   if (header.field == Field::pattern && header.format == Header::Format::array)
     lines.fail("an 'array' cannot be a 'pattern'");

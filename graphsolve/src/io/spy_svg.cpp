@@ -51,7 +51,7 @@ struct Picture {
 };
 
 /// Causes in the order of their weight.
-std::vector<int> ranks(const std::vector<std::int64_t>& weight) {
+std::vector<int> ranks_of(const std::vector<std::int64_t>& weight) {
   std::vector<int> order(weight.size()), rank(weight.size());
   for (std::size_t c = 0; c < order.size(); ++c) order[c] = static_cast<int>(c);
   std::ranges::stable_sort(order, [&](int a, int b) { return weight[a] > weight[b]; });
@@ -79,7 +79,7 @@ Picture gather(const Symbolic& symbolic, const FillCauses& causes) {
       picture.cells.push_back({coupled[e], k, cause});
     }
   }
-  const std::vector<int> rank = ranks(weight);
+  const std::vector<int> rank = ranks_of(weight);
   for (Cell& cell : picture.cells)
     if (cell.cause >= 0) cell.cause = rank[cell.cause];
   picture.names.resize(count, "fill");

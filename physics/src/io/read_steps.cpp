@@ -6,7 +6,7 @@ namespace physics::io {
 
 namespace {
 
-BodyRecord read_body(const Json& json) {
+BodyRecord read_body_record(const Json& json) {
   Object object(json);
   BodyRecord record{vec3(object.required("position")), quat(object.required("orientation")),
                     vec3(object.required("velocity")), vec3(object.required("angular_velocity"))};
@@ -14,7 +14,7 @@ BodyRecord read_body(const Json& json) {
   return record;
 }
 
-ContactRecord read_contact(const Json& json) {
+ContactRecord read_contact_record(const Json& json) {
   Object object(json);
   ContactRecord record;
   record.distance = number(object.required("distance"));
@@ -26,7 +26,7 @@ ContactRecord read_contact(const Json& json) {
   return record;
 }
 
-JointRecord read_joint(const Json& json) {
+JointRecord read_joint_record(const Json& json) {
   Object object(json);
   JointRecord record;
   record.force = vec3(object.required("force"));
@@ -66,12 +66,12 @@ StepRecord read_step(const Json& json, const Mechanism& mechanism) {
   StepRecord record;
   record.step = integer(object.required("step"));
   record.time = number(object.required("time"));
-  record.bodies = read_list(object.required("bodies"), read_body, mechanism.bodies.size(), "bodies");
+  record.bodies = read_list(object.required("bodies"), read_body_record, mechanism.bodies.size(), "bodies");
   // The start has no forces, and files may leave forces out altogether.
   if (const Json* contacts = object.optional("contacts"); contacts && !contacts->empty())
-    record.contacts = read_list(*contacts, read_contact, mechanism.contacts.size(), "contacts");
+    record.contacts = read_list(*contacts, read_contact_record, mechanism.contacts.size(), "contacts");
   if (const Json* joints = object.optional("joints"); joints && !joints->empty())
-    record.joints = read_list(*joints, read_joint, mechanism.joints.size(), "joints");
+    record.joints = read_list(*joints, read_joint_record, mechanism.joints.size(), "joints");
   if (const Json* solver = object.optional("solver")) record.solver = read_solver(*solver);
   record.extras = object.finish();
   return record;

@@ -8,7 +8,7 @@
 
 namespace physics {
 
-namespace {
+namespace io {  // by name: TrajectoryWriter::Impl has a member of it
 
 enum class Format { json, csv };
 
@@ -38,6 +38,13 @@ class Pieces {
   const Mechanism& mechanism_;
   bool first_ = true;
 };
+
+}  // namespace io
+
+namespace {
+
+using io::Format;
+using io::Pieces;
 
 void write(Format format, const Trajectory& trajectory, std::ostream& out) {
   Pieces pieces(format, trajectory.mechanism);
@@ -83,7 +90,7 @@ struct TrajectoryWriter::Impl {
   io::OutputFile file;
   Pieces pieces;
   Impl(const std::string& path, const Mechanism& scene)
-      : mechanism(scene), file(path), pieces(format_of(path), mechanism) {}
+      : mechanism(scene), file(path), pieces(io::format_of(path), mechanism) {}
 };
 
 TrajectoryWriter::TrajectoryWriter(const std::string& path, const Mechanism& mechanism)
