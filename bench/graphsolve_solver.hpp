@@ -6,7 +6,7 @@
 
 #include "baselines/baselines.hpp"
 #include "graphsolve/block_graph.hpp"
-#include "graphsolve/block_detection.hpp"
+#include "graphsolve/entry_map.hpp"
 #include "graphsolve/factorization.hpp"
 #include "graphsolve/robust_solver.hpp"
 #include "graphsolve/simd/lanes.hpp"

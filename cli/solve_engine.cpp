@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "graphsolve/diagnosis.hpp"
+#include "graphsolve/entry_map.hpp"
 #include "graphsolve/io/draw.hpp"
 #include "graphsolve/largest.hpp"
 #include "graphsolve/robust_solver.hpp"

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "graphsolve/block_detection.hpp"
+#include "graphsolve/entry_map.hpp"
 #include "graphsolve/factorization.hpp"
 #include "graphsolve/io/block_map.hpp"
 #include "graphsolve/io/eigen.hpp"

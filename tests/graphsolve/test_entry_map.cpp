@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "graphsolve/block_detection.hpp"
+#include "graphsolve/entry_map.hpp"
 #include "graphsolve/cheapest_ordering.hpp"
 #include "graphsolve/factorization.hpp"
 #include "graphsolve/io/eigen.hpp"
@@ -28,7 +28,7 @@ std::vector<int> rows_as_given(const BlockGraph& graph) {
 
 TEST(EntryMap, WritesWhatEveryKindReadsOverWhateverStoodThere) {
   for (const Family family : {Family::chain, Family::tree, Family::ladder, Family::grid, Family::control})
-    for (const int copies : {1, 3})
+    for (const int copies : {1, 3, 8})
       for (const Packs packs : {Packs::on, Packs::off})
         for (const FactorizationKind kind : {FactorizationKind::ldu, FactorizationKind::ldlt}) {
           const Problem problem = families::repeated(families::make_problem({.family = family, .n = 9}), copies);

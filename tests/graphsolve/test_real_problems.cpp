@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "graphsolve/block_detection.hpp"
+#include "graphsolve/entry_map.hpp"
 #include "graphsolve/factorization.hpp"
 #include "graphsolve/io/draw.hpp"
 #include "graphsolve/io/matrix_market.hpp"

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "graphsolve/block_detection.hpp"
+#include "graphsolve/entry_map.hpp"
 #include "graphsolve/bound.hpp"
 #include "graphsolve/factorization.hpp"
 #include "graphsolve/interior_point.hpp"

@@ -8,11 +8,8 @@
 
 #include "graphsolve/block_graph.hpp"
 #include "graphsolve/sparse_matrix.hpp"
-#include "graphsolve/symbolic.hpp"
 
 namespace graphsolve {
-
-enum class FactorizationKind;
 
 /// A square matrix seen as blocks: the graph of its blocks, and where each row (and column) of the matrix stands in
 /// it. The graph numbers rows node by node; the matrix in any way.
@@ -84,35 +81,5 @@ BlockStructure make_blocks(const SparseMatrix& matrix, std::span<const Block> bl
 
 /// Blocks of these sizes, one after the other, named by their rows.
 std::vector<Block> consecutive_blocks(std::span<const int> sizes);
-
-/// Places of the entries of a matrix in the value array of a Factorization, found once; new numbers in the same
-/// pattern then take one pass.
-class EntryMap {
- public:
-  /// Throws std::invalid_argument when the symbolic has no block for an entry.
-  EntryMap(const SparseMatrix& matrix, const BlockStructure& structure, const Symbolic& symbolic);
-  /// Only what a factorization of this kind reads: of the symmetric ones a triangle. The rest stays as it is.
-  EntryMap(const SparseMatrix& matrix, const BlockStructure& structure, const Symbolic& symbolic, FactorizationKind kind);
-  /// factor_values := the matrix, zeros where it has none. `values` as in SparseMatrix::value, factor_values of
-  /// Symbolic::values_size(); other lengths throw std::invalid_argument. Allocates nothing.
-  void write(std::span<const double> values, std::span<double> factor_values) const;
-
- private:
-  /// Entries of the matrix that follow each other, and lie `stride` apart in the values of the factor.
-  struct Run {
-    std::int64_t place;   ///< of the first in the factor
-    std::int64_t number;  ///< of the first in the matrix
-    int count, stride;
-  };
-  struct Gap {
-    std::int64_t begin, end;
-  };
-  void find_gaps(const Symbolic& symbolic, FactorizationKind kind);
-
-  std::vector<Run> runs_;     ///< by place: of blocks that lie interleaved each cache line is written at one time
-  std::vector<Gap> gaps_;     ///< zeros: places in the factor that are read, but have no entry
-  std::size_t entries_;       ///< of the matrix
-  std::int64_t values_size_;  ///< of the factor
-};
 
 }  // namespace graphsolve
