@@ -158,6 +158,13 @@ TEST(CheapestInPacks, IsTheOneOfFewestOperationsOfThoseAskedFor) {
   EXPECT_GT(chosen[static_cast<std::size_t>(OrderingMethod::minimum_fill)], 10);  // what `best` is where nothing fills
 }
 
+/// Rows of states fill the registers by themselves: three times the operations for the sake of packs do not pay.
+TEST(CheapestInPacks, OfALongHorizonWithLargeStatesMakesNoFill) {
+  const BlockGraph graph = families::control(100, 1);
+  for (const FactorizationKind kind : {FactorizationKind::ldu, FactorizationKind::ldlt})
+    EXPECT_EQ(Symbolic(graph, cheapest_in_packs(graph, kind)).counts().fill_blocks, 0);
+}
+
 TEST(CheapestInPacks, RefusesMethodsThatAreAllMissing) {
   EXPECT_THROW((void)cheapest_in_packs(families::chain(5), FactorizationKind::ldu, {}), std::invalid_argument);
 }

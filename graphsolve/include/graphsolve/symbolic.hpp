@@ -40,13 +40,16 @@ class Symbolic {
   Symbolic(const BlockGraph& graph, const Ordering& ordering, Packs packs = Packs::on);
 
   struct Counts {
+    static constexpr int rows_at_once = 4;
     std::int64_t fill_blocks = 0;       ///< off-diagonal blocks (one triangle) that are not in the graph
     std::int64_t stored_blocks = 0;     ///< all blocks of the factor, both triangles and diagonal
     std::int64_t stored_scalars = 0;    ///< scalars in them
     std::int64_t matrix_scalars = 0;    ///< scalars of the matrix alone
     std::int64_t operations = 0;        ///< multiplications and divisions of one LDU factorization, 2^63 - 1 at most
     std::int64_t symmetric_operations = 0;  ///< same of one LDL^T or Cholesky factorization of definite blocks
-    std::int64_t pack_operations = 0;   ///< of one LDU factorization, eight equal pivots of one level counted as one
+    /// Of one LDU factorization, eight equal pivots of one level counted as one. Rows of a pivot that goes alone and has more
+    /// than six of them are worked on together too: four operations of it count as one.
+    std::int64_t pack_operations = 0;
     std::int64_t symmetric_pack_operations = 0;  ///< same of one LDL^T or Cholesky factorization
     std::int64_t solve_operations = 0;  ///< same of one solve
     std::int64_t memory = 0;            ///< bytes: this object and one Factorization of kind ldu

@@ -236,8 +236,12 @@ void Symbolic::count() {
   for (const auto& step : program_->steps()) {
     const Pivot& p = pivots_[step.pack < 0 ? step.pivot : program_->pack(step.pack).pivot[0]];
     const std::int64_t d = p.dimension, m = p.coupled_rows;
-    add_operations(counts_.pack_operations, lu_pivot_operations(d, m));
-    add_operations(counts_.symmetric_pack_operations, ldlt_pivot_operations(d, m));
+    const bool by_rows = step.pack < 0 && p.dimension > simd::largest_lone;
+    const auto weighed = [by_rows](std::int64_t operations) {
+      return by_rows && operations < std::numeric_limits<std::int64_t>::max() ? operations / Counts::rows_at_once : operations;
+    };
+    add_operations(counts_.pack_operations, weighed(lu_pivot_operations(d, m)));
+    add_operations(counts_.symmetric_pack_operations, weighed(ldlt_pivot_operations(d, m)));
   }
 }
 
