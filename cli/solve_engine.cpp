@@ -128,6 +128,7 @@ bool is_singular_when_scaled(const Run& run, const Scales& scales, Factorization
   for (int j = 0; j < a.columns; ++j)
     for (std::int64_t k = a.begin[j]; k < a.begin[j + 1]; ++k) value[k] *= scales.row[a.row[k]] * scales.column[j];
   Factorization scaled(std::make_shared<const Symbolic>(graph, minimum_fill_ordering(graph)), kind);
+  scaled.allow_refinement();
   scaled.keep_matrix(true);
   EntryMap(a, run.source.blocks, scaled.symbolic()).write(value, scaled.values());
   const Factorization::Outcome outcome = scaled.factorize();

@@ -46,8 +46,10 @@ Result run(const Problem& problem, const Way& way) {
   Factorization f(std::make_shared<const Symbolic>(problem.graph, ordering, way.packs), way.kind);
   families::load(problem.matrix, problem.graph, f.symbolic(), f.values());
   Result result{.outcome = f.factorize(), .x = problem.right, .transposed = problem.right};
-  f.solve(view(result.x));
-  f.solve_transposed(view(result.transposed));
+  if (result.outcome.ok()) {
+    f.solve(view(result.x));
+    f.solve_transposed(view(result.transposed));
+  }
   result.dropped = static_cast<int>(f.dropped_rows().size());
   const auto& counts = f.symbolic().counts();
   if (result.outcome.ok() && result.outcome.inertia.zero == 0 && result.outcome.dropped_rows == 0) {
@@ -127,15 +129,14 @@ TEST_P(InstructionSets, AComponentIsTheSameInBitsInAnyCompany) {
         const auto solved = [&](std::vector<int> components) {
           Factorization f(symbolic, kind);
           families::load(problem.matrix, problem.graph, *symbolic, f.values());
-          f.factorize(components);
+          const auto outcomes = f.factorize(components);
+          std::erase_if(components, [&](int c) { return !outcomes[c].ok(); });  // its right-hand side stays
           Eigen::VectorXd x = problem.right;
           f.solve_components(view(x), components);
           return Eigen::VectorXd(x.segment(mine * one.graph.rows(), one.graph.rows()));
         };
         const Eigen::VectorXd alone = solved({mine});
-        EXPECT_TRUE(std::ranges::equal(alone, solved({0, 1, 2, 3, 4}), [](double a, double b) {
-          return a == b || (std::isnan(a) && std::isnan(b));
-        })) << problem.name;
+        EXPECT_EQ(alone, solved({0, 1, 2, 3, 4})) << problem.name;
       }
     }
 }

@@ -38,7 +38,7 @@ Result solve(const BlockGraph& graph, const Eigen::MatrixXd& matrix) {
   Factorization f(std::make_shared<const Symbolic>(graph, wide_ordering(graph)));
   families::load(matrix, graph, f.symbolic(), f.values());
   Result result{f.factorize(), right_hand_side(graph.rows())};
-  f.solve(view(result.x));
+  if (result.outcome.ok()) f.solve(view(result.x));
   return result;
 }
 

@@ -133,6 +133,7 @@ TEST(Packs, ComponentDoesNotDependOnThoseFactoredWithIt) {
       EXPECT_EQ(symbolic->component(symbolic->node(outcomes[0].first_bad_pivot)), 0);
     }
     Eigen::VectorXd x = right_hand_side(graph.rows());
+    std::erase_if(components, [&](int c) { return !outcomes[c].ok(); });
     f.solve_components(view(x), components);
     Eigen::VectorXd mine(symbolic->rows());
     int n = 0;

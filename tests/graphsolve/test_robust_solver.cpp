@@ -222,6 +222,7 @@ TEST(Diagnosis, SignsOfBoostedPivotsAreNotKnown) {
   graph.add_node("good", 2);
   graph.add_node("flat", 2);
   Factorization f(std::make_shared<const Symbolic>(graph, natural_ordering(graph)), FactorizationKind::ldlt);
+  f.allow_refinement();
   f.keep_matrix(true);
   Eigen::MatrixXd a = Eigen::MatrixXd::Identity(4, 4);
   a.bottomRightCorner(2, 2) << 1, 2, 2, 4;

@@ -10,6 +10,7 @@
 #include "graphsolve/block_detection.hpp"
 #include "graphsolve/entry_map.hpp"
 #include "graphsolve/bound.hpp"
+#include "graphsolve/derivative_check.hpp"
 #include "graphsolve/factorization.hpp"
 #include "graphsolve/interior_point.hpp"
 #include "graphsolve/io/eigen.hpp"
@@ -55,6 +56,44 @@ TEST(WrongArguments, AFactorizationNamesComponentsAndNodesThatAreNotThere) {
   EXPECT_THROW((void)f.refine(few, x), std::invalid_argument);
   EXPECT_THROW((void)f.refine(b, few), std::invalid_argument);
   EXPECT_EQ(x, std::vector<double>(3, 1));
+}
+
+TEST(WrongArguments, AFactorizationSaysWhatHasToComeBefore) {
+  const TwoNodes two;
+  const auto load = [&](Factorization& f, double second) {
+    for (const int node : {0, 1}) {
+      const BlockHandle h = two.symbolic->block({node}, {node});
+      for (int i = 0; i < h.rows; ++i) f.entry(h, i, i) = node == 0 ? 2 : second;
+    }
+  };
+  std::vector<double> x(3, 1), b(3, 2);
+  const std::vector<int> twice{1, 0, 1}, both{0, 1};
+  Factorization f(two.symbolic);
+  load(f, 2);
+  EXPECT_THROW((void)f.factorize(twice), std::invalid_argument);
+  EXPECT_THROW(f.solve(x), std::logic_error) << "a call that was refused has factored nothing";
+  EXPECT_THROW((void)f.kept_entry(two.symbolic->block({0}, {0})), std::logic_error);
+  f.keep_matrix(true);
+  EXPECT_THROW((void)f.factorize(), std::logic_error) << "no room";
+  EXPECT_THROW((void)f.factorize(both), std::logic_error);
+  f.allow_refactorization();
+  ASSERT_TRUE(f.factorize().ok());
+  EXPECT_EQ(f.kept_entry(two.symbolic->block({1}, {1})), 2);
+  std::copy(b.begin(), b.end(), x.begin());
+  f.solve(x);
+  EXPECT_EQ(f.refine(b, x).backward_error, 0);
+  EXPECT_THROW(f.dependency({NodeId{0}, 0}, x), std::invalid_argument) << "it was not left out";
+  f.keep_matrix(false);
+  load(f, 4);
+  ASSERT_TRUE(f.factorize().ok());
+  EXPECT_THROW((void)f.refine(b, x), std::logic_error) << "the copy is of another matrix";
+  f.keep_matrix(true);
+  EXPECT_THROW((void)f.refactorize(std::vector<NodeId>{NodeId{0}}), std::logic_error);
+  load(f, 0);
+  ASSERT_FALSE(f.factorize().ok());
+  EXPECT_THROW(f.solve(x), std::logic_error) << "there are no factors";
+  EXPECT_THROW((void)f.refine(b, x), std::logic_error);
+  f.solve_component(x, 0);  // the other component is sound
 }
 
 TEST(WrongArguments, ARobustSolverLooksAtBothSizes) {
@@ -136,6 +175,23 @@ TEST(WrongArguments, AnInteriorPointKnowsThatItsProblemHasGrown) {
   InteriorPoint afterwards(a.problem, a.two.symbolic);
   ASSERT_EQ(afterwards.solve(x), Status::solved);
   EXPECT_NEAR(x[1], 2, 1e-7);
+  a.second.add(Bound({1}, 0, Bound::Side::lower, 3.0), Nonnegative());  // to a batch that it knows
+  EXPECT_THROW((void)afterwards.solve(x), std::logic_error);
+}
+
+/// Terms keep the places of one elimination: those of another would be written to.
+TEST(WrongArguments, AnInteriorPointKnowsThatItsTermsWereWiredForAnother) {
+  TwoBatches a;
+  InteriorPoint solver(a.problem, a.two.symbolic);
+  std::vector<double> x(3, 0.0);
+  ASSERT_EQ(solver.solve(x), Status::solved);
+  InteriorPoint other(a.problem, a.two.symbolic);
+  EXPECT_THROW((void)solver.solve(x), std::logic_error);
+  ASSERT_EQ(other.solve(x), Status::solved);
+  EXPECT_THROW((void)check_terms(a.problem, std::vector<double>(2, 0.0)), std::invalid_argument);
+  ASSERT_EQ(other.solve(x), Status::solved);
+  (void)check_terms(a.problem, x);
+  EXPECT_THROW((void)other.solve(x), std::logic_error);
 }
 
 TEST(WrongArguments, AnInteriorPointLooksAtTheSizesOfWhatItIsGiven) {

@@ -61,7 +61,8 @@ class Factorization {
 
   /// Makes room for a copy of the matrix, which refine() needs; allocates now.
   void allow_refinement();
-  /// Whether the next factorizations keep that copy. Off at first.
+  /// Whether the next factorizations keep that copy, which they throw std::logic_error for where there is no room. Off
+  /// at first.
   void keep_matrix(bool keep);
 
   /// The kept copy, laid out like values(); empty before the first. The symmetric kinds fill both triangles of it.
@@ -92,9 +93,9 @@ class Factorization {
   /// those of a matrix nearby: call refine().
   [[nodiscard]] Outcome factorize();
   [[nodiscard]] Outcome factorize(int component);
-  /// Several components, side by side. Returns outcomes by component, valid until the next factorization; those of the
-  /// others are of earlier calls. The numbers of a component do not depend on which others are factored with it, nor on how many
-  /// equal ones there are (blocks of up to 6 rows).
+  /// Several components, side by side; one named twice throws std::invalid_argument. Returns outcomes by component,
+  /// valid until the next factorization; those of the others are of earlier calls. The numbers of a component do not
+  /// depend on which others are factored with it, nor on how many equal ones there are (blocks of up to 6 rows).
   std::span<const Outcome> factorize(std::span<const int> components);
 
   /// factorize() and solve(x) in one pass: each pivot goes through the first half of the solve while its factor is at
@@ -106,7 +107,8 @@ class Factorization {
   /// Makes room for refactorize(), and for the kept matrix; allocates now. Pivots go one by one from now on, which is
   /// faster in a Symbolic without packs.
   void allow_refactorization();
-  /// An entry of a block of the kept matrix, for new numbers before refactorize().
+  /// An entry of a block of the kept matrix, for new numbers before refactorize(). Throws std::logic_error before there
+  /// is one.
   [[nodiscard]] double& kept_entry(const BlockHandle& handle, int row = 0, int column = 0);
   /// Factors again after some blocks of the kept matrix changed: the diagonal blocks of the nodes in `changed`, and
   /// couplings with both ends in it. Only these nodes and their ancestors in the elimination tree are done again
@@ -114,7 +116,7 @@ class Factorization {
   /// bits as factorize() of the whole. Cost: the updates that arrive at the redone pivots, and their own elimination;
   /// nothing that grows with the rest of the graph. Needs allow_refactorization() and a factorize() of all components
   /// with the matrix kept; after a failure everything is done again. Inertia, dropped rows and boosts are of the whole
-  /// matrix, growth of the redone pivots. Allocates nothing.
+  /// matrix, growth of the redone pivots. Throws std::logic_error where no whole matrix was kept. Allocates nothing.
   [[nodiscard]] Outcome refactorize(std::span<const NodeId> changed);
 
   /// x := A^-1 x, rows in the user's numbering; or only the rows of one component.
@@ -122,7 +124,7 @@ class Factorization {
   void solve_component(std::span<double> x, int component) const;
   void solve_components(std::span<double> x, std::span<const int> components) const;
   /// X := A^-1 X, X being rows() x columns, column-major. Throws std::invalid_argument when x has another size, as all
-  /// of these do std::logic_error before the first factorize().
+  /// of these do std::logic_error before the first factorize(), and where that of one of their components failed.
   void solve(std::span<double> x, int columns) const;
   /// x := A^-T x; X := A^-T X.
   void solve_transposed(std::span<double> x) const { solve_transposed(x, 1); }
@@ -133,7 +135,7 @@ class Factorization {
     double backward_error = 0;  ///< componentwise: max |A x - b| / (|A| |x| + |b|)
   };
   /// x := refined solution of A x = b, until the componentwise backward error is <= 4 eps or no longer falls, in twice
-  /// the precision where it must be. b stays. Needs the kept matrix; throws std::logic_error where none was allowed.
+  /// the precision where it must be. b stays. Throws std::logic_error where the last factorization kept no matrix.
   Refinement refine(std::span<const double> b, std::span<double> x, int max_sweeps = 3);
   /// Several components, each until its own error is good; returns the most sweeps and the largest error.
   Refinement refine(std::span<const double> b, std::span<double> x, std::span<const int> components, int max_sweeps);
@@ -147,7 +149,8 @@ class Factorization {
   };
   [[nodiscard]] std::span<const DroppedRow> dropped_rows() const;
   /// Left null vector that goes with a dropped row: y with y^T A = 0, y = 1 at that row. Its nonzero blocks
-  /// name the group of dependent rows. Allocates nothing; y has rows() entries.
+  /// name the group of dependent rows. y has rows() entries; another length, and a row that was not left out, throw
+  /// std::invalid_argument. Allocates nothing.
   void dependency(const DroppedRow& dropped, std::span<double> y) const;
 
  private:

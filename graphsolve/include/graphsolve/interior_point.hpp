@@ -40,10 +40,11 @@ struct Profile {
   double evaluate = 0, factorize = 0, solve = 0;
 };
 
-/// Primal-dual interior point (Mehrotra predictor-corrector) on the graph. Every connected component has a barrier, step
-/// length and end of its own; without an active port plain Newton. symbolic: of problem.graph() after every add();
-/// what is added later makes solve, linearize and factorize_terms throw std::logic_error. Allocates in the constructor
-/// only. Laws keep their private unknowns between solves: the next solve starts warm.
+/// Primal-dual interior point (Mehrotra predictor-corrector) on the graph. Every connected component has a barrier,
+/// step length and end of its own; without an active port plain Newton. symbolic: of problem.graph() after every add();
+/// what is added later, and another InteriorPoint or check_terms of the same problem, which wires its terms anew, make
+/// solve, linearize and factorize_terms throw std::logic_error. Allocates in the constructor only. Laws keep their
+/// private unknowns between solves: the next solve starts warm.
 class InteriorPoint {
  public:
   InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> symbolic, InteriorPointSettings settings = {});
@@ -62,6 +63,7 @@ class InteriorPoint {
   /// what they remembered.
   /// force_factor: remembered forces are multiplied by it first (a change of the step length, where z is an impulse).
   /// noise: by component, the rounding error below which the residual cannot fall (may be empty).
+  /// Returns `solved` when all were, else the status of the first that was not; reports() has every one.
   /// Throws std::invalid_argument when x or noise has another length than the graph has rows or components.
   Status solve(std::span<double> x, double force_factor = 1, std::span<const double> noise = {});
 
@@ -164,6 +166,8 @@ class InteriorPoint {
   [[nodiscard]] bool centre(const Factorization& matrix);
 
   Problem& problem_;
+  std::int64_t wiring_;         ///< that this one took
+  std::int64_t instances_ = 0;  ///< of all batches, when it was made
   InteriorPointSettings settings_;
   Factorization factorization_;
   std::vector<Lists> term_lists_, port_lists_;

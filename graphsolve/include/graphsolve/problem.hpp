@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -32,6 +33,10 @@ class Problem {
   [[nodiscard]] std::span<PortBatch* const> ports() const { return ports_; }
   /// By row, NaN where not set; empty where none is.
   [[nodiscard]] std::span<const double> row_scale() const { return row_scale_; }
+  /// Terms and ports keep the places of one Symbolic: whoever wires them takes a number here, and may use them for as long as
+  /// nobody has taken another (InteriorPoint, check_terms).
+  std::int64_t take_wiring() { return ++wiring_; }
+  [[nodiscard]] std::int64_t wiring() const { return wiring_; }
 
  private:
   void check_node(NodeId node, const char* what) const;
@@ -40,6 +45,7 @@ class Problem {
   std::vector<Term*> terms_;
   std::vector<PortBatch*> ports_;
   std::vector<double> row_scale_;
+  std::int64_t wiring_ = 0;
 };
 
 }  // namespace graphsolve

@@ -73,6 +73,7 @@ void Factorization::Impl::forget_redone(Outcome& outcome) {
 Factorization::Outcome Factorization::Impl::refactorize(std::span<const NodeId> changed) {
   if (share_.empty() || !keep_matrix_)
     throw std::logic_error("refactorize: allow_refactorization() and keep_matrix(true) come before factorize()");
+  if (!whole_copy_) throw std::logic_error("refactorize: factorize() of all components with the matrix kept comes first");
   for (const NodeId node : changed)
     if (node.index < 0 || node.index >= symbolic_->pivots())
       throw std::invalid_argument("refactorize: there is no node " + std::to_string(node.index));

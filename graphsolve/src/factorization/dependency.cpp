@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 #include "factorization/impl.hpp"
 #include "factorization/kernels.hpp"
@@ -46,6 +48,10 @@ bool Factorization::Impl::is_packed(int k) const {
 
 void Factorization::Impl::dependency(const DroppedRow& dropped, std::span<double> y) const {
   const Symbolic& s = *symbolic_;
+  check_size(y, 1);
+  if (std::ranges::none_of(dropped_, [&](const DroppedRow& d) { return d.node == dropped.node && d.row == dropped.row; }))
+    throw std::invalid_argument("dependency: row " + std::to_string(dropped.row) + " of node " +
+                                std::to_string(dropped.node.index) + " was not left out");
   std::fill(y.begin(), y.end(), 0.0);
   const int k = s.position(dropped.node);
   const Symbolic::Pivot& p = s.pivot(k);

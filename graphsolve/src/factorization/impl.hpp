@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <stdexcept>
 #include <vector>
 
 #include "graphsolve/aligned.hpp"
@@ -38,7 +39,10 @@ class Factorization::Impl {
   [[nodiscard]] Outcome factorize_and_solve(std::span<double> x);
   std::span<const Outcome> factorize_and_solve(std::span<const int> components, std::span<double> x);
   void allow_refactorization();
-  [[nodiscard]] double& kept_entry(std::size_t place) { return matrix_[place]; }
+  [[nodiscard]] double& kept_entry(std::size_t place) {
+    if (matrix_.empty()) throw std::logic_error("kept_entry: a factorize() that keeps the matrix comes first");
+    return matrix_[place];
+  }
   [[nodiscard]] Outcome refactorize(std::span<const NodeId> changed);
   void solve_components(std::span<double> x, std::span<const int> components) const;
   void solve(std::span<double> x, int columns) const;
@@ -164,7 +168,8 @@ class Factorization::Impl {
   template <class Together, class Alone>
   void walk(bool backward, Together&& together, Alone&& alone) const;
   void check_size(std::span<const double> x, int columns) const;
-  void check_begun() const;
+  void check_room() const;
+  void check_factored(std::span<const int> components) const;
   void check_components(std::span<const int> components) const;
   enum class Precision { plain, twice };
   void start_residual(std::span<const double> b, int component);
@@ -236,7 +241,9 @@ class Factorization::Impl {
   std::vector<double> error_, least_error_;  ///< by component, of refine(): after a sweep, and the least so far
   std::vector<Precision> precision_;
   std::vector<int> in_vain_;                 ///< sweeps in a row
+  mutable std::vector<char> named_;          ///< by component: while a list of them is checked
   bool keep_matrix_ = false, begun_ = false;
+  bool copied_ = false, whole_copy_ = false;  ///< by the last factorization; and that it holds all components
   double largest_entry_ = 0;          ///< of the kept part of the matrix
   double saddle_shift_ = 0;
 };

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -22,7 +21,9 @@ Factorization::Outcome Factorization::Impl::factorize() {
 }
 
 void Factorization::Impl::start_all() {
+  check_room();
   begun_ = true;
+  copied_ = whole_copy_ = keep_matrix_;
   dropped_.clear();
   set_all_active();
   std::fill(outcomes_.begin(), outcomes_.end(), Outcome{});
@@ -53,8 +54,11 @@ std::span<const Factorization::Outcome> Factorization::Impl::factorize(std::span
 }
 
 void Factorization::Impl::start(std::span<const int> components) {
-  begun_ = true;
+  check_room();
   check_components(components);
+  begun_ = true;
+  copied_ = keep_matrix_;
+  whole_copy_ &= keep_matrix_;
   const Symbolic& s = *symbolic_;
   set_active(components);
   if (!dropped_.empty())
@@ -63,9 +67,13 @@ void Factorization::Impl::start(std::span<const int> components) {
   complete_ = false;
 }
 
+void Factorization::Impl::check_room() const {
+  if (keep_matrix_ && matrix_.capacity() < values_.size())
+    throw std::logic_error("factorize: keep_matrix(true) needs the room of allow_refinement() or allow_refactorization()");
+}
+
 /// Copies the matrix before it is overwritten.
 void Factorization::Impl::keep() {
-  assert(matrix_.capacity() >= values_.size() && "allow_refinement() before keep_matrix(true)");
   matrix_.resize(values_.size());
   double largest = 0;
   const auto copy = [&](std::int64_t at) {

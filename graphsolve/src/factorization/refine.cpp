@@ -125,10 +125,11 @@ Factorization::Refinement Factorization::Impl::refine_transposed(std::span<const
 
 Factorization::Refinement Factorization::Impl::refine(std::span<const double> b, std::span<double> x,
                                                 std::span<const int> components, int max_sweeps, Side side) {
-  if (matrix_.empty()) throw std::logic_error("refine: allow_refinement() and keep_matrix(true) come before factorize()");
+  if (!copied_) throw std::logic_error("refine: allow_refinement() and keep_matrix(true) come before factorize()");
   check_size(b, 1);
   check_size(x, 1);
   check_components(components);
+  check_factored(components);
   for (auto* v : {&residual_, &residual_low_, &magnitude_, &best_}) v->resize(symbolic_->rows());
   refined_.assign(components.begin(), components.end());
   const auto keep_x = [&](int c) { each_row(c, [&](int i) { best_[i] = x[i]; }); };

@@ -58,6 +58,7 @@ Factorization::Impl::Impl(std::shared_ptr<const Symbolic> symbolic, Factorizatio
   outcomes_.resize(s.components());
   everything_.resize(s.components());
   std::iota(everything_.begin(), everything_.end(), 0);
+  named_.assign(s.components(), false);
   active_.reserve(s.components());
   make_room_for_packs();
 }

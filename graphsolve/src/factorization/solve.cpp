@@ -51,6 +51,10 @@ void Factorization::Impl::check_components(std::span<const int> components) cons
     if (c < 0 || c >= symbolic_->components())
       throw std::invalid_argument("there is no component " + std::to_string(c) + ", but 0 to " +
                                   std::to_string(symbolic_->components() - 1));
+  const auto twice = std::ranges::find_if(components, [&](int c) { return std::exchange(named_[c], true); });
+  for (const int c : components) named_[c] = false;
+  if (twice != components.end())
+    throw std::invalid_argument("component " + std::to_string(*twice) + " is named twice");
 }
 
 void Factorization::Impl::solve_diagonal(int k, const double* diagonal, double* x, int columns, std::ptrdiff_t stride) const {
@@ -64,13 +68,17 @@ void Factorization::Impl::solve_diagonal(int k, const double* diagonal, double* 
     solve_rank_deficient(diagonal, p.dimension, rank_[k], row_exchange_.data() + row, column_exchange_.data() + row, x, 1);
 }
 
-void Factorization::Impl::check_begun() const {
+void Factorization::Impl::check_factored(std::span<const int> components) const {
   if (!begun_) throw std::logic_error("solve: factorize() comes first");
+  for (const int c : components)
+    if (!outcomes_[c].ok())
+      throw std::logic_error("solve: there are no factors of component " + std::to_string(c) + ", whose node " +
+                             std::to_string(symbolic_->node(outcomes_[c].first_bad_pivot).index) + " is singular");
 }
 
 void Factorization::Impl::solve(std::span<double> x, int columns) const {
   check_size(x, columns);
-  check_begun();
+  check_factored(everything_);
   set_all_active();
   const int rows = symbolic_->rows(), some = symbolic_->packs() == Packs::on ? 1 : columns_at_once;
   for (int c = 0; c < columns; c += some)
@@ -80,7 +88,7 @@ void Factorization::Impl::solve(std::span<double> x, int columns) const {
 void Factorization::Impl::solve_components(std::span<double> x, std::span<const int> components) const {
   check_size(x, 1);
   check_components(components);
-  check_begun();
+  check_factored(components);
   set_active(components);
   solve_active(x.data(), 1);
 }
@@ -263,7 +271,7 @@ std::span<const Factorization::Outcome> Factorization::Impl::factorize_and_solve
 void Factorization::Impl::solve_transposed(std::span<double> x, int columns) const {
   if (symmetric()) return solve(x, columns);
   check_size(x, columns);
-  check_begun();
+  check_factored(everything_);
   set_all_active();
   for (int c = 0; c < columns; ++c) solve_transposed_active(x.data() + static_cast<std::ptrdiff_t>(c) * symbolic_->rows());
 }

@@ -2,6 +2,8 @@
 
 #include <memory>
 #include <numeric>
+#include <stdexcept>
+#include <string>
 
 #include "graphsolve/ordering.hpp"
 
@@ -18,6 +20,10 @@ struct Batch {
 
 DerivativeReport check_terms(Problem& problem, std::span<const double> x, double step) {
   const BlockGraph& graph = problem.graph();
+  if (x.size() != static_cast<std::size_t>(graph.rows()))
+    throw std::invalid_argument("check_terms: a point of " + std::to_string(x.size()) + " numbers, the graph has " +
+                                std::to_string(graph.rows()) + " rows");
+  (void)problem.take_wiring();
   const Symbolic symbolic(graph, natural_ordering(graph));
   const Wiring wiring(symbolic, graph);
   std::vector<Batch> batches;

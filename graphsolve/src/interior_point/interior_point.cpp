@@ -68,15 +68,15 @@ Status InteriorPoint::solve(std::span<double> x, double force_factor, std::span<
     evaluate(most_expect_to_end() ? With::residual_alone : With::matrix);
   }
   laps.add_to(&Profile::evaluate);
-  Status worst = Status::solved;
+  Status status = Status::solved;
   for (const int c : selected_) {
     if (reports_[c].status != Status::solved) {
-      worst = reports_[c].status;
+      if (status == Status::solved) status = reports_[c].status;
       continue;
     }
     copy_rows(rows_of(c), x_, x);
   }
-  return worst;
+  return status;
 }
 
 /// A solve that takes as many iterations as the one before, as in a simulation it mostly does, needs no matrix at its

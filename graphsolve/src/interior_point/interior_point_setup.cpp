@@ -17,10 +17,17 @@ namespace {
 
 constexpr double saddle_shift = 1e-12;  ///< of the diagonal of a constraint's pivot block; Newton takes it out again
 
+std::int64_t count_instances(const Problem& problem) {
+  std::int64_t count = 0;
+  for (const Term* term : problem.terms()) count += term->size();
+  for (const PortBatch* ports : problem.ports()) count += ports->size();
+  return count;
+}
+
 }  // namespace
 
 InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> symbolic, InteriorPointSettings settings)
-    : problem_(problem), settings_(settings), factorization_(std::move(symbolic)) {
+    : problem_(problem), wiring_(problem.take_wiring()), settings_(settings), factorization_(std::move(symbolic)) {
   const Symbolic& s = factorization_.symbolic();
   if (s.pivots() != problem_.graph().size() || s.rows() != problem_.graph().rows())
     throw std::invalid_argument("interior point: the problem has " + std::to_string(problem_.graph().size()) +
@@ -38,6 +45,7 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
   };
   for (Term* term : problem_.terms()) add_lists(*term, term_lists_);
   for (PortBatch* ports : problem_.ports()) add_lists(*ports, port_lists_);
+  instances_ = count_instances(problem_);
   factorization_.leave_unzeroed(claims);
 
   for (auto* v : {&x_, &dx_, &rhs_, &residual_}) v->assign(s.rows(), 0.0);
@@ -75,8 +83,16 @@ void InteriorPoint::check_point(std::size_t size) const {
   if (size != x_.size())
     throw std::invalid_argument("start of " + std::to_string(size) + " numbers, the graph has " +
                                 std::to_string(x_.size()) + " rows");
+  if (problem_.wiring() != wiring_)
+    throw std::logic_error("interior point: another InteriorPoint, or check_terms, has wired the terms of this problem since: "
+                           "only the last one may use them");
   const std::size_t terms = problem_.terms().size(), ports = problem_.ports().size();
-  if (terms == term_lists_.size() && ports == port_lists_.size()) return;
+  if (terms == term_lists_.size() && ports == port_lists_.size()) {
+    if (const std::int64_t now = count_instances(problem_); now != instances_)
+      throw std::logic_error("interior point: made of " + std::to_string(instances_) + " terms and ports, and the batches of the "
+                             "problem hold " + std::to_string(now) + " by now: make it after the last add");
+    return;
+  }
   throw std::logic_error("interior point: made of " + std::to_string(term_lists_.size()) + " batches of terms and " +
                          std::to_string(port_lists_.size()) + " of ports, and the problem has " +
                          std::to_string(terms) + " and " + std::to_string(ports) +

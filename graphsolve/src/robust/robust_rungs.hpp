@@ -35,6 +35,7 @@ struct RobustSolver::Impl {
   // Of one solve; grow with its columns.
   std::vector<double> solutions;            ///< of the first rung
   std::vector<std::string> contradictions;  ///< by column; empty: none
+  std::string broken;                       ///< the first number of the matrix that is not one; empty: there is none
   std::vector<double> null;                 ///< of rows that depend
 
   struct Attempt {

@@ -60,6 +60,7 @@ void RobustSolver::Impl::factorize() {
   general.reset();
   twin_is_current = false;
   outcome = first.factorize();
+  broken = not_finite();
   factored = values;
 }
 
@@ -125,10 +126,10 @@ RobustSolver::Report RobustSolver::Impl::solve_column(const Columns& columns, in
 }
 
 RobustSolver::Report RobustSolver::Impl::solve(const Columns& columns, Side of) {
-  if (std::string found = not_finite(); !found.empty()) {
+  if (!broken.empty()) {
     Report report;
     report.status = Status::not_finite;
-    report.why = std::move(found);
+    report.why = broken;
     report.outcome = outcome;
     report.unsolved = columns.count;
     return report;

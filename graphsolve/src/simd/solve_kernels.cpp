@@ -12,7 +12,7 @@ HWY_BEFORE_NAMESPACE();
 namespace graphsolve::simd::HWY_NAMESPACE {
 namespace {
 
-/// The rows of a pivot's coupling in a vector in lanes. Values, not references, as in Taker (pivot_kernels.cpp).
+/// The rows of a pivot's coupling in a vector in lanes. Values, not references, as in update_block (pivot_kernels.cpp).
 template <int L>
 class Coupled {
  public:
