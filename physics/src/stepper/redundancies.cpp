@@ -7,12 +7,42 @@
 
 namespace physics {
 
-static constexpr int only[] = {0};  ///< the lane of a simulator
+namespace {
+
+constexpr int only[] = {0};  ///< the lane of a simulator
+
+/// Looking begins a step at the present pose. What the last one left, which records tell forces by, is put back at the end.
+class Kept {
+ public:
+  explicit Kept(Stepper& stepper)
+      : stepper_(stepper),
+        aim_(stepper.joints.aim()),
+        state_(stepper.lanes.front().state),
+        unknowns_(stepper.unknowns),
+        noise_(stepper.noise) {}
+  ~Kept() {
+    stepper_.joints.put_back(aim_);
+    stepper_.lanes.front().state = state_;
+    stepper_.unknowns = unknowns_;
+    stepper_.noise = noise_;
+  }
+  Kept(const Kept&) = delete;
+  Kept& operator=(const Kept&) = delete;
+
+ private:
+  Stepper& stepper_;
+  Joints::Aim aim_;
+  LaneState state_;
+  std::vector<double> unknowns_, noise_;
+};
+
+}  // namespace
 
 /// Groups dependent joint rows: two that share a joint belong together.
 std::vector<std::string> Simulator::redundancies() const {
   Impl& s = *impl_;
   const Lane& lane = s.lanes.front();
+  const Kept kept(s);
   s.begin(only, s.dt);
   for (int j = 0; j < s.joints.size(); ++j) s.joints.prepare(j, lane.time(1), s.dt);
   s.joints.aim(only);

@@ -91,6 +91,14 @@ class Joints final : public graphsolve::Term {
   [[nodiscard]] bool has_motor(int i) const { return joints_[i].motor != nullptr; }
   [[nodiscard]] bool any_motor() const { return !motors_.empty(); }
   [[nodiscard]] int translation_rows(int i) const { return translations(joints_[i].kind); }
+  /// What the last step left: impulses of the unknowns are forces by it. Told once more for another pose, it can be put back.
+  struct Aim {
+    std::vector<Octet> forces;
+    std::vector<MotorOctet> motors;
+    std::vector<JointWrenches> wrenches;
+  };
+  [[nodiscard]] Aim aim() const { return {forces_, motors_, wrenches_}; }
+  void put_back(const Aim& aim);
   /// Largest constraint violation between two poses [m, rad].
   [[nodiscard]] JointError error(int i, const Pose& parent, const Pose& child) const;
   /// Impulse on the child, world frame, and angular impulse about its joint point, from the multipliers.

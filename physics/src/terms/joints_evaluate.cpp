@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "graphsolve/io/block_view.hpp"
 #include "terms/joints.hpp"
 
@@ -6,6 +8,13 @@ namespace physics {
 
 void Joints::aim(std::span<const int> copies) {
   of_copies_.each(copies, [&](int octet, unsigned used) { aim_octet(octets_[octet], used, When::now); });
+}
+
+/// In place: tasks point there.
+void Joints::put_back(const Aim& aim) {
+  std::ranges::copy(aim.forces, forces_.begin());
+  std::ranges::copy(aim.motors, motors_.begin());
+  std::ranges::copy(aim.wrenches, wrenches_.begin());
 }
 
 void Joints::aim_octet(JointOctet& octet, unsigned used, When when) {
