@@ -239,6 +239,30 @@ TEST(State, ARecordWhoseForcesOrTangentsAreNoneIsRefusedByName) {
   ASSERT_TRUE(simulator.step().ok());
 }
 
+TEST(State, ARecordWhoseTimeOrJointNumbersAreNotFiniteIsRefusedByName) {
+  Simulator simulator(driven_wheel(0.01, false));
+  for (int k = 0; k < 10; ++k) ASSERT_TRUE(simulator.step().ok());
+  StepRecord good;
+  simulator.write_record(good);
+  const auto refusal = [&](auto&& spoil) {
+    StepRecord record = good;
+    spoil(record);
+    try {
+      simulator.restart_from(record);
+    } catch (const DescriptionError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(refusal([](StepRecord&) {}), "");
+  EXPECT_EQ(refusal([](StepRecord& r) { r.time = NAN; }), "record 10: its time is not finite");
+  EXPECT_EQ(refusal([](StepRecord& r) { r.time = INFINITY; }), "record 10: its time is not finite");
+  EXPECT_EQ(refusal([](StepRecord& r) { r.joints[0].coordinate = NAN; }), "record 10: joint 'hub': its coordinate is not finite");
+  EXPECT_EQ(refusal([](StepRecord& r) { r.joints[0].rate = INFINITY; }), "record 10: joint 'hub': its rate is not finite");
+  EXPECT_EQ(refusal([](StepRecord& r) { r.joints[0].effort = NAN; }), "record 10: joint 'hub': its effort is not finite");
+  ASSERT_TRUE(simulator.step().ok());
+}
+
 TEST(State, AStartThatOpensAJointIsCorrectedAndSaysByHowMuch) {
   Mechanism scene = built_in_scene("pendulum:n=2");
   EXPECT_EQ(Simulator(scene).start_correction(), 0);

@@ -41,8 +41,20 @@ void check_contact(const StepRecord& record, const Contact& contact, const Conta
     fail("its tangent is not a unit vector along the plane");
 }
 
+/// What tells how often a hinge has turned, and what is told with it.
+void check_joint(const StepRecord& record, const Joint& joint, const JointRecord& j) {
+  const auto check = [&](const char* what, const std::optional<double>& value) {
+    if (value && !std::isfinite(*value))
+      throw DescriptionError(fmt::format("record {}: joint '{}': its {} is not finite", record.step, joint.name, what));
+  };
+  check("coordinate", j.coordinate);
+  check("rate", j.rate);
+  check("effort", j.effort);
+}
+
 void check_record(const Mechanism& mechanism, const StepRecord& record) {
   if (record.step < 0) throw DescriptionError(fmt::format("record {}: a step has a number >= 0", record.step));
+  if (!std::isfinite(record.time)) throw DescriptionError(fmt::format("record {}: its time is not finite", record.step));
   if (record.bodies.size() != mechanism.bodies.size())
     throw DescriptionError(fmt::format("record {}: {} bodies, the scene has {}", record.step, record.bodies.size(),
                                        mechanism.bodies.size()));
@@ -53,9 +65,8 @@ void check_record(const Mechanism& mechanism, const StepRecord& record) {
       throw DescriptionError(fmt::format("record {}: body '{}' has a value that is not finite or a quaternion that is "
                                          "not a unit one", record.step, mechanism.bodies[k].name));
   }
-  for (std::size_t k = 0; k < record.joints.size(); ++k)
-    if (record.joints[k].coordinate && !std::isfinite(*record.joints[k].coordinate))
-      throw DescriptionError(fmt::format("record {}: the coordinate of joint {} is not finite", record.step, k));
+  for (std::size_t k = 0; record.joints.size() == mechanism.joints.size() && k < record.joints.size(); ++k)
+    check_joint(record, mechanism.joints[k], record.joints[k]);
   if (record.contacts.size() != mechanism.contacts.size()) return;
   for (std::size_t k = 0; k < record.contacts.size(); ++k) check_contact(record, mechanism.contacts[k], record.contacts[k]);
 }
