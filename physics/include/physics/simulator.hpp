@@ -23,7 +23,7 @@ struct SimulatorSettings {
   bool merge_fixed_joints = true;  ///< bodies held by a fixed joint become one (false: keep the joint force)
   bool cull_contacts = true;       ///< leave out contacts that cannot be reached in this step
   bool count_turns = false;        ///< of hinges without a motor too: see Simulator::joint_coordinate
-  int max_substeps = 16;           ///< a step that fails is tried again in 2, 4, ... up to this many
+  int max_substeps = 16;           ///< a step that fails is tried again in 2, 4, ... up to this many: 1 .. 2^20
   bool time_phases = false;        ///< fill PhaseTimes: a step of a few bodies takes 3 % longer with the clock read
 };
 
@@ -78,7 +78,7 @@ struct StepResult {
 /// Building one allocates everything; `step` allocates nothing.
 class Simulator {
  public:
-  /// Throws DescriptionError when the scene is wrong.
+  /// Throws DescriptionError when the scene or a setting is wrong.
   explicit Simulator(Mechanism mechanism, const SimulatorSettings& settings = {});
   ~Simulator();
   Simulator(Simulator&&) noexcept;

@@ -60,10 +60,14 @@ const Motor* motor_of(const Mechanism& mechanism, const JointGeometry& geometry)
   return motor && (motor->stiffness > 0 || motor->damping > 0) ? &*motor : nullptr;
 }
 
+constexpr int most_substeps = 1 << 20;  // far from where numbers of parts overflow
+
 Stepper::Stepper(Mechanism scene, int copies, const SimulatorSettings& options, const Stepper* same)
     : settings(options), side_by_side(copies), lanes(copies) {
   if (!(settings.tolerance > 0 && std::isfinite(settings.tolerance)))
     throw DescriptionError(fmt::format("tolerance {} is not a number > 0", settings.tolerance));
+  if (settings.max_substeps < 1 || settings.max_substeps > most_substeps)
+    throw DescriptionError(fmt::format("max_substeps {} is not a number from 1 to {}", settings.max_substeps, most_substeps));
   for (int lane = 1; lane < copies; ++lane) (void)describe(lane, scene);
   Assembly assembly = describe(0, std::move(scene));
   dt = lanes[0].mechanism.time_step;
