@@ -94,7 +94,7 @@ std::string as_json(const Report& report) {
   json["redundancies"] = s.redundancies;
   json["simulated_time_s"] = s.simulated_time;
   json["wall_time_s"] = s.wall_time;
-  json["cpu_time_per_step_us"] = to_json(s.phases, s.steps);
+  json["wall_time_per_step_us"] = to_json(s.phases, s.steps);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";  // names of files are bytes
 }
 

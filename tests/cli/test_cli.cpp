@@ -123,6 +123,7 @@ TEST_F(Cli, WritesATrajectoryAndASummary) {
   EXPECT_EQ(summary.at("status"), "solved");
   EXPECT_EQ(summary.at("steps_solved"), 20);
   EXPECT_EQ(summary.at("bodies"), 3);
+  EXPECT_TRUE(summary.at("wall_time_per_step_us").contains("total"));
   EXPECT_EQ(entries().size(), 2u);
 }
 
