@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 namespace test_pyramid_law {
 
 /// A stuck contact that creeps by 5e-9 m/s along t1. With psi = 0 both facets along t1 miss by 5e-9; the law, with psi made
@@ -22,6 +25,22 @@ TEST(PyramidLaw, NaturalErrorIsThatOfSlipAndImpulsesWhateverTheSlackPsi) {
     };
     EXPECT_GE(miss(law), 0.999 * 2 * creep) << psi;
     EXPECT_EQ(miss(any), miss(law)) << psi;
+  }
+}
+
+/// Whichever pair it is in: what is called solved has looked at all of them.
+TEST(PyramidLaw, ANaNInAPairIsInItsErrorAndItsProduct) {
+  constexpr double mass = 2, nan = std::numeric_limits<double>::quiet_NaN();
+  const double u[] = {0.1, 0.2, 0.3};
+  double f[3];
+  for (int spoilt = 0; spoilt < 6; ++spoilt) {
+    for (const bool slack : {false, true}) {
+      physics::PyramidLaw<0> law(0.5, mass, 1e300, 4);
+      for (int i = 0; i < 6; ++i) law.set_pair(i, i == spoilt && slack ? nan : 1, i == spoilt && !slack ? nan : 1);
+      law.residual(u, f);
+      EXPECT_TRUE(std::isnan(law.natural_error(mass))) << spoilt << (slack ? " s" : " z");
+      EXPECT_TRUE(std::isnan(law.largest_product())) << spoilt << (slack ? " s" : " z");
+    }
   }
 }
 

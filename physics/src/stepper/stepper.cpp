@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "graphsolve/largest.hpp"
 #include "terms/rotation.hpp"
 
 /// Steps of lanes: attempts, substeps, solves, new states.
@@ -157,7 +158,7 @@ bool Stepper::take_reports(Lane& lane) {
     const graphsolve::ComponentReport& report = solver->reports()[c];
     lane.attempt.iterations += report.iterations;
     lane.attempt.restarts += report.attempts - 1;
-    lane.attempt.residual = std::max(lane.attempt.residual, report.residual);
+    graphsolve::keep_largest(lane.attempt.residual, report.residual);
     if (report.status == Status::solved) continue;
     lane.attempt.status = report.status;
     lane.failure = report;

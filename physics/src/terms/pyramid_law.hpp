@@ -146,8 +146,9 @@ class PyramidLaw : public PyramidImpulses<PyramidLaw<Facets>> {
     return largest;
   }
   [[nodiscard]] double largest_product() const {
-    double largest = std::max(normal_.s * normal_.z, bound_.s * bound_.z);
-    for (const auto& f : facet_) largest = std::max(largest, f.s * f.z);
+    double largest = normal_.s * normal_.z;
+    graphsolve::keep_largest(largest, bound_.s * bound_.z);
+    for (const auto& f : facet_) graphsolve::keep_largest(largest, f.s * f.z);
     return largest;
   }
 
