@@ -114,6 +114,13 @@ TEST(MatrixMarket, FilesOnDiskComeBackAndNothingElseIsLeft) {
   expect_same_bits(read_matrix_market((folder / "a.mtx").string()).matrix, matrix);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
   EXPECT_THROW(write_text("", (folder / "no" / "a.mtx").string()), FileError);
+  // A file that happens to have the name of a half written one stays; so does a link.
+  write_text("mine", (folder / "a.mtx.part").string());
+  fs::create_symlink("a.mtx", folder / "link.mtx");
+  write_text("new", (folder / "link.mtx").string());
+  EXPECT_EQ(read_text((folder / "a.mtx.part").string()), "mine");
+  EXPECT_EQ(read_text((folder / "a.mtx").string()), "new");
+  EXPECT_TRUE(fs::is_symlink(folder / "link.mtx"));
   EXPECT_THROW((void)read_text((folder / "none.mtx").string()), FileError);
   EXPECT_THROW((void)read_text(folder.string()), FileError);
   fs::remove_all(folder);

@@ -200,6 +200,9 @@ TEST(WrongArguments, AnInteriorPointLooksAtTheSizesOfWhatItIsGiven) {
   (void)other.add_node("alone", 3);
   EXPECT_THROW(InteriorPoint(a.problem, std::make_shared<const Symbolic>(other, natural_ordering(other))),
                std::invalid_argument);
+  for (const InteriorPointSettings& wrong : {InteriorPointSettings{.tolerance = 0}, {.tolerance = std::nan("")},
+                                             {.largest_product = -1}, {.max_iterations = 0}})
+    EXPECT_THROW(InteriorPoint(a.problem, a.two.symbolic, wrong), std::invalid_argument);
   InteriorPoint solver(a.problem, a.two.symbolic);
   std::vector<double> few(2, 0.0), x(3, 0.0);
   Factorization target(a.two.symbolic), foreign(TwoNodes().symbolic);

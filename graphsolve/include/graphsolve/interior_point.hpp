@@ -47,6 +47,7 @@ struct Profile {
 /// private unknowns between solves: the next solve starts warm.
 class InteriorPoint {
  public:
+  /// Throws std::invalid_argument where `symbolic` is of another graph, or a setting makes no sense.
   InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> symbolic, InteriorPointSettings settings = {});
 
   /// Which instances of a port batch exist in the next solves; all of them at first. Throws std::invalid_argument where

@@ -17,6 +17,19 @@ namespace {
 
 constexpr double saddle_shift = 1e-12;  ///< of the diagonal of a constraint's pivot block; Newton takes it out again
 
+void check(const InteriorPointSettings& settings) {
+  const auto positive = [](double value, const char* name) {
+    if (!(value > 0 && std::isfinite(value)))
+      throw std::invalid_argument(std::string("interior point: ") + name + " is " + std::to_string(value) +
+                                  ", and must be a number > 0");
+  };
+  positive(settings.tolerance, "tolerance");
+  positive(settings.largest_product, "largest_product");
+  if (settings.max_iterations < 1)
+    throw std::invalid_argument("interior point: max_iterations is " + std::to_string(settings.max_iterations) +
+                                ", and must be at least 1");
+}
+
 std::int64_t count_instances(const Problem& problem) {
   std::int64_t count = 0;
   for (const Term* term : problem.terms()) count += term->size();
@@ -28,6 +41,7 @@ std::int64_t count_instances(const Problem& problem) {
 
 InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> symbolic, InteriorPointSettings settings)
     : problem_(problem), wiring_(problem.take_wiring()), settings_(settings), factorization_(std::move(symbolic)) {
+  check(settings);
   const Symbolic& s = factorization_.symbolic();
   if (s.pivots() != problem_.graph().size() || s.rows() != problem_.graph().rows())
     throw std::invalid_argument("interior point: the problem has " + std::to_string(problem_.graph().size()) +

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "graphsolve/io/matrix_market.hpp"
+#include "graphsolve/io/output_file.hpp"
 
 namespace graphsolve::io {
 
@@ -51,24 +52,9 @@ std::string read_text(const std::string& path, std::size_t longest_line) {
 }
 
 void write_text(std::string_view text, const std::string& path) {
-  std::error_code error;
-  const bool special = std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error);
-  const std::string target = special ? path : path + ".part";  // /dev/stdout is not renamed to
-  File file(std::fopen(target.c_str(), "wb"));
-  if (!file) fail(path, "cannot be written: ", errno);
-  const bool written = std::fwrite(text.data(), 1, text.size(), file.get()) == text.size();
-  const bool closed = std::fclose(file.release()) == 0;
-  const int reason = errno;
-  if (!written || !closed) {
-    if (!special) std::filesystem::remove(target, error);
-    fail(path, "cannot be written: ", reason);
-  }
-  if (special) return;
-  std::filesystem::rename(target, path, error);
-  if (!error) return;
-  const std::string why = error.message();
-  std::filesystem::remove(target, error);
-  throw FileError(path, "cannot be written: " + why);
+  OutputFile file(path);
+  file.write(text);
+  file.commit();
 }
 
 }  // namespace graphsolve::io

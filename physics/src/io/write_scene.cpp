@@ -2,13 +2,23 @@
 
 #include <ostream>
 
-#include "io/output_file.hpp"
+#include "graphsolve/io/output_file.hpp"
 #include "io/write.hpp"
 #include "physics/scene_io.hpp"
 
 namespace physics {
 
-namespace io {  // by name: TrajectoryWriter::Impl has a member of it
+namespace io {  // by name: TrajectoryWriter::Impl has members of these
+
+class OutputFile : public graphsolve::io::OutputFile {
+ public:
+  explicit OutputFile(const std::string& path) : graphsolve::io::OutputFile(path, refuse) {}
+
+ private:
+  static void refuse(const std::string& path, std::string_view reason) {
+    throw DescriptionError(fmt::format("cannot write '{}': {}", path, reason));
+  }
+};
 
 enum class Format { json, csv };
 

@@ -1,6 +1,5 @@
-#include "io/output_file.hpp"
+#include "graphsolve/io/output_file.hpp"
 
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -9,37 +8,33 @@
 #include <filesystem>
 #include <utility>
 
-#include "physics/mechanism.hpp"
+#include "graphsolve/io/file_error.hpp"
 
-namespace physics::io {
+namespace graphsolve::io {
 
 namespace fs = std::filesystem;
 
 namespace {
 
-[[noreturn]] void fail_to_write(const std::string& path, std::string_view reason) {
-  throw DescriptionError(fmt::format("cannot write '{}': {}", path, reason));
-}
-
 /// Unlike that of any other writer, in this process or another.
 std::string partial_name(const std::string& target) {
   static std::atomic<int> count{0};
-  return fmt::format("{}.{}-{}.part", target, ::getpid(), count++);
+  return target + "." + std::to_string(::getpid()) + "-" + std::to_string(count++) + ".part";
 }
 
 }  // namespace
 
-OutputFile::OutputFile(const std::string& path) : path_(path), target_(path) {
+OutputFile::OutputFile(const std::string& path, Refuse refuse) : path_(path), target_(path), refuse_(refuse) {
   std::error_code error;
-  if (path.empty() || path.ends_with('/')) fail_to_write(path, "No file name");
+  if (path.empty() || path.ends_with('/')) refuse_(path, "No file name");
   // /dev/stdout may lead to an ordinary file that belongs to somebody else.
   const bool device = path.starts_with("/dev/");
   if (!device && fs::is_symlink(path, error)) target_ = fs::weakly_canonical(path, error).string();
   const fs::file_status status = fs::status(target_, error);
-  if (fs::is_directory(status)) fail_to_write(path, "Is a directory");
+  if (fs::is_directory(status)) refuse_(path, "Is a directory");
   if (fs::exists(status) && ::access(target_.c_str(), W_OK) != 0) fail();
   const fs::path folder = fs::path(target_).parent_path();
-  if (!folder.empty() && !fs::is_directory(folder, error)) fail_to_write(path, "No such directory");
+  if (!folder.empty() && !fs::is_directory(folder, error)) refuse_(path, "No such directory");
   if (device || (fs::exists(status) && !fs::is_regular_file(status))) {
     file_ = std::fopen(target_.c_str(), "ab");
   } else {
@@ -65,10 +60,14 @@ void OutputFile::commit() {
   if (partial_.empty()) return;
   std::error_code error;
   fs::rename(partial_, target_, error);
-  if (error) fail_to_write(path_, error.message());
+  if (error) refuse_(path_, error.message());
   partial_.clear();
 }
 
-void OutputFile::fail() { fail_to_write(path_, std::strerror(errno)); }
+void OutputFile::fail() const { refuse_(path_, std::strerror(errno)); }
 
-}  // namespace physics::io
+void OutputFile::throw_file_error(const std::string& path, std::string_view reason) {
+  throw FileError(path, "cannot be written: " + std::string(reason));
+}
+
+}  // namespace graphsolve::io
