@@ -117,7 +117,7 @@ void Tally::add(const Outcome& outcome) {
     first_inside = fmt::format("copy {}: {}", outcome.copy, outcome.start_inside);
   ++statuses[outcome.status];
   if (outcome.status != "solved" && failures.size() < most_failures_named)
-    failures.push_back(fmt::format("copy {}: step {} failed, {} at {}", outcome.copy, outcome.steps + 1, outcome.status,
+    failures.push_back(fmt::format("copy {}: step {} failed, {} at {}", outcome.copy, outcome.steps + 1LL, outcome.status,
                                    outcome.place));
 }
 

@@ -6,8 +6,18 @@ namespace cli {
 
 using physics::DescriptionError;
 
+namespace {
+
+constexpr int deepest = 16;  ///< levels of nesting, more than lines have; copying and comparing recurse
+
+}  // namespace
+
 Json parse(const std::string& line, const std::string& where) {
-  Json json = Json::parse(line, nullptr, false);
+  const auto shallow = [&](int depth, Json::parse_event_t, const Json&) {
+    if (depth > deepest) throw DescriptionError(fmt::format("{}: is not a line of a rollout", where));
+    return true;
+  };
+  Json json = Json::parse(line, shallow, false);
   if (!json.is_object()) throw DescriptionError(fmt::format("{}: is not a line of a rollout", where));
   return json;
 }

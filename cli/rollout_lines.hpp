@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <type_traits>
@@ -16,13 +18,21 @@ using Json = nlohmann::ordered_json;
 
 Json parse(const std::string& line, const std::string& where);
 
-/// The value of a key that has to be there and of this type.
+/// From 0 to the largest that fits.
+template <class Value>
+bool is_count(const Json& json) {
+  if (json.is_number_unsigned()) return json.get<std::uint64_t>() <= std::uint64_t{std::numeric_limits<Value>::max()};
+  return json.is_number_integer() && json.get<std::int64_t>() >= 0;
+}
+
+/// The value of a key that has to be there and of this type; whole numbers count something.
 template <class Value>
 Value get(const Json& json, const char* key, const std::string& where) {
   const auto found = json.find(key);
-  const bool fits = found != json.end() && (std::is_same_v<Value, std::string> ? found->is_string()
-                                            : std::is_same_v<Value, double>    ? found->is_number()
-                                                                               : found->is_number_integer());
+  bool fits = found != json.end();
+  if constexpr (std::is_same_v<Value, std::string>) fits = fits && found->is_string();
+  else if constexpr (std::is_same_v<Value, double>) fits = fits && found->is_number();
+  else fits = fits && is_count<Value>(*found);
   if (!fits) throw physics::DescriptionError(fmt::format("{}: is not a line of a rollout (its key '{}')", where, key));
   return found->get<Value>();
 }

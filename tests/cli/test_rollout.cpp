@@ -139,19 +139,39 @@ TEST_F(Rollout, LinesWithValuesOfAnotherTypeAreRefused) {
   ASSERT_EQ(run("disc --copies 2 --steps 3 --out a.jsonl"), 0) << err_;
   const std::string header = text("a.jsonl").substr(0, text("a.jsonl").find('\n') + 1);
   for (const char* record : {R"({"copy":0,"steps":"x","status":"solved"})", R"({"copy":0,"steps":3,"status":5})",
-                             R"({"copy":0,"steps":3})", R"({"copy":0,"steps":3,"status":"solved","place":[]})"}) {
+                             R"({"copy":0,"steps":3})", R"({"copy":0,"steps":3,"status":"solved","place":[]})",
+                             R"({"copy":0,"steps":-3,"status":"solved"})", R"({"copy":0,"steps":5000000000,"status":"solved"})",
+                             R"({"copy":0,"steps":18446744073709551615,"status":"solved"})"}) {
     write("bad.jsonl", header + record + "\n");
     EXPECT_TRUE(Program::refused("rollout disc --copies 2 --steps 3 --out bad.jsonl")
                     .starts_with("graphsolve: bad.jsonl:2: is not a line of a rollout (its key '"))
         << record;
   }
   for (const char* first : {R"({"format":"graphsolve-rollout","shard":5})", R"({"format":"graphsolve-rollout"})",
-                            R"({"shard":"0/1","copies":"x"})", R"({"shard":"0/1"})"}) {
+                            R"({"shard":"0/1","copies":"x"})", R"({"shard":"0/1"})",
+                            R"({"shard":"0/1","instruction_set":"plain","copies":-1})"}) {
     write("bad.jsonl", std::string(first) + "\n");
     EXPECT_TRUE(Program::refused("rollout --merge bad.jsonl --out b")
                     .starts_with("graphsolve: bad.jsonl:1: is not a line of a rollout (its key '"))
         << first;
   }
+}
+
+TEST_F(Rollout, LinesNestedDeeperThanAStackIsAreRefusedAndLeftAlone) {
+  const std::string deep = R"({"format":)" + std::string(1000000, '[') + std::string(1000000, ']') + "}\n";
+  write("deep.jsonl", deep);
+  EXPECT_EQ(Program::refused("rollout disc --copies 2 --steps 3 --out deep.jsonl"),
+            "graphsolve: deep.jsonl:1: is not a line of a rollout\n");
+  EXPECT_EQ(Program::refused("rollout --merge deep.jsonl --out b"), "graphsolve: deep.jsonl:1: is not a line of a rollout\n");
+  EXPECT_EQ(text("deep.jsonl"), deep);
+}
+
+TEST_F(Rollout, TheStepAfterTheMostStepsThereCanBeIsNamed) {
+  ASSERT_EQ(run("disc --copies 1 --steps 3 --out a.jsonl"), 0) << err_;
+  write("long.jsonl", text("a.jsonl").substr(0, text("a.jsonl").find('\n') + 1) +
+                          R"({"copy":0,"steps":2147483647,"status":"max_iterations","start_correction_m_per_s":0})" "\n");
+  EXPECT_EQ(run("--merge long.jsonl --out b.jsonl"), 1);
+  EXPECT_NE(err_.find("copy 0: step 2147483648 failed"), std::string::npos) << err_;
 }
 
 TEST_F(Rollout, ACopyThatFailsIsNamedAndTheOthersAreDone) {

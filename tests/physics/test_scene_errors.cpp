@@ -63,6 +63,30 @@ TEST(SceneErrors, AKeyGivenTwiceIsAnError) {
 
 TEST(SceneErrors, TooDeepNestingIsAnError) {
   EXPECT_EQ(json_error(std::string(100000, '[')), "s.json:1: nested deeper than 64 levels");
+  const auto many = [](const char* part, int n) {
+    std::string text;
+    while (n-- > 0) text += part;
+    return text;
+  };
+  for (const int n : {100, 1000000}) {
+    for (const std::string& key : {"x_a" + many(".a", n), "x_a" + many(" . 'b'", n), "x_a" + many(".\"\\\"\"", n)}) {
+      EXPECT_EQ(toml_error("version = 1\n" + key + " = 1\n"), "s.toml:2: nested deeper than 64 levels") << n;
+      EXPECT_EQ(toml_error("\n[" + key + "]\n"), "s.toml:2: nested deeper than 64 levels") << n;
+    }
+    EXPECT_EQ(toml_error("x_a = " + many("{a.a = ", n) + "1" + many("}", n)), "s.toml:1: nested deeper than 64 levels");
+  }
+  // Each by itself short enough, together not.
+  EXPECT_EQ(toml_error("[x_a" + many(".a", 40) + "]\n\na" + many(".a", 40) + " = 1\n"), "s.toml:3: nested deeper than 64 levels");
+}
+
+TEST(SceneErrors, DotsAndBracketsInTextsAndCommentsAreNoNesting) {
+  const std::string dots = std::string(100, '.') + std::string(100, '[');
+  const std::string scene = "# " + dots + "\nformat = \"graphsolve-scene\"\nversion = 1\ntime_step = 0.01 # " + dots +
+                            "\nname = \"" + dots + "\\\"" + dots + "\"\nx_a = '" + dots + "'\nx_b = \"\"\"\n\"" + dots +
+                            "\n\"\"\"\nx_c = '''" + dots + "\n'" + dots + "'''\nx_d = [";
+  std::string numbers;
+  for (int i = 0; i < 100; ++i) numbers += "[0.5, 1.5],\n";
+  EXPECT_EQ(toml_error(scene + numbers + "]\nbodies = []\n"), "");
 }
 
 TEST(SceneErrors, AnotherFormatOrVersionIsRefused) {

@@ -26,6 +26,9 @@ struct Document {
 Document parse_json(std::string_view text, std::string_view file);
 Document parse_toml(std::string_view text, std::string_view file);
 
+/// Levels of nesting in either spelling; what comes later recurses.
+inline constexpr std::size_t deepest = 64;
+
 using graphsolve::io::PathStep;
 /// Way from the root to a node, found by the node's address.
 std::vector<PathStep> path_to(const Json& root, const Json& node);

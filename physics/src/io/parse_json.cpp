@@ -9,8 +9,6 @@ namespace physics::io {
 
 namespace {
 
-constexpr std::size_t deepest = 64;  ///< levels of nesting; what comes later recurses
-
 /// Receives the parser's events, in the shape that nlohmann::json prescribes. It builds the tree like the
 /// library's own receiver, but refuses a key given twice, which the library lets pass.
 class Builder {
