@@ -28,7 +28,7 @@ constexpr const char* footer = R"(Examples:
 Exit code: 0 solved, 1 a step failed or a system was singular, 2 wrong input or a file that cannot be read or written,
 130 or 143 stopped by SIGINT or SIGTERM.)";
 
-int fail(const char* sentence) {
+int fail(const std::string& sentence) {
   fmt::print(stderr, "graphsolve: {}\n", sentence);
   return cli::wrong_input;
 }
@@ -73,7 +73,7 @@ int main(int argc, char** argv) {
   if (argc > 1 && is_unknown_command(names, argv[1])) {
     std::vector<std::string> known;
     for (const CLI::App* name : names) known.push_back(name->get_name());
-    return fail(fmt::format("there is no command '{}'; there are: {}", argv[1], fmt::join(known, ", ")).c_str());
+    return fail(fmt::format("there is no command '{}'; there are: {}", argv[1], fmt::join(known, ", ")));
   }
   try {
     program.parse(argc, argv);

@@ -107,7 +107,9 @@ std::string for_people(const Report& report) {
   line(out, "largest residual",
        fmt::format("{:.3g} m/s, step {}{}", s.residual.value, s.residual.step,
                    s.residual.value > report.tolerance ? "; above the tolerance: rounding this far from the origin" : ""));
-  if (!scene.contacts.empty())
+  if (std::isinf(s.distance.value) && !scene.contacts.empty())
+    line(out, "smallest distance", "none: fixed joints hold all bodies with contacts at the world");
+  else if (!scene.contacts.empty())
     line(out, "smallest distance", fmt::format("{:.3g} m, step {}{}", s.distance.value, s.distance.step,
          starts_inside(s) ? ": the scene begins inside a plane, which the first step has to undo" : ""));
   if (!scene.joints.empty())

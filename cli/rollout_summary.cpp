@@ -61,7 +61,7 @@ void sum(const Processes& processes, Part& part) {
 }
 
 void print_failures(const Tally& tally) {
-  for (const std::string& failure : tally.failures) fmt::print(stderr, "graphsolve: {}\n", failure);
+  for (const std::string& failure : tally.failures) fmt::print(stderr, "graphsolve: {}\n", one_line(failure));
   const long long more = tally.failed() - static_cast<long long>(tally.failures.size());
   if (more > 0) fmt::print(stderr, "graphsolve: and {} more cop{} failed\n", more, more == 1 ? "y" : "ies");
   for (const Status status : statuses) {

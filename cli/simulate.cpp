@@ -133,7 +133,7 @@ int finish(const Options& options, const physics::Simulator& simulator, const ph
   write_and_print({{options.summary, options.summary.empty() ? "" : as_json(report)}}, text);
   if (const auto& failure = result.failure) {
     fmt::print(stderr, "graphsolve: {}: step {} (at {:.6g} s) failed, {} at {}: {}\n", options.scene, failure->step,
-               simulator.time(), failure->status, failure->place, failure->cause);
+               simulator.time(), failure->status, one_line(failure->place), failure->cause);
     return step_failed;
   }
   if (result.stopped && result.summary.steps < steps) {

@@ -259,6 +259,26 @@ TEST_F(Cli, WrongScenesAreRefusedInOneLine) {
   EXPECT_EQ(refused("simulate b.toml --out t.json"), "graphsolve: b.toml: body 'disc': mass -1 kg is not > 0\n");
 }
 
+TEST_F(Cli, TextsOfFilesAreQuotedInOneLineWithoutWhatATerminalObeys) {
+  write("a.json", R"({"format": "graphsolve-scene\nand\u001b[31m"})");
+  EXPECT_EQ(refused("simulate a.json"),
+            "graphsolve: a.json:1: format: is 'graphsolve-scene\\nand\\x1b[31m', expected 'graphsolve-scene'\n");
+  write("m.json", R"({"format": "graphsolve-blocks", "version": 1, "blocks": [1], "edges": [{"from": "a\nb", "to": "c"}]})");
+  write("m.mtx", "%%MatrixMarket matrix array real general\n1 1\n1\n");
+  EXPECT_EQ(refused("solve m.mtx --blocks m.json"), "graphsolve: m.json:1: edges[0].from: there is no block 'a\\nb'\n");
+}
+
+TEST_F(Cli, ContactsThatCannotMoveHaveNoDistance) {
+  write("a.toml",
+        "format = 'graphsolve-scene'\nversion = 1\ntime_step = 0.01\n[[bodies]]\nname = 'post'\nmass = 1\n"
+        "inertia = [1, 1, 1]\n[[joints]]\nname = 'bolt'\ntype = 'fixed'\nparent = 'world'\nchild = 'post'\n"
+        "[[contacts]]\nname = 'foot'\nbody = 'post'\n");
+  const Outcome outcome = run("simulate a.toml --steps 2");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("none: fixed joints hold all bodies with contacts at the world"), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find("inf"), std::string::npos) << outcome.out;
+}
+
 TEST_F(Cli, RecordsThatAreNotThereAreRefused) {
   EXPECT_EQ(refused("simulate disc --from 3"), "graphsolve: disc: holds no records, so it cannot be continued\n");
   ASSERT_EQ(run("simulate disc --steps 3 --out t.json").code, 0);
