@@ -11,6 +11,7 @@
 #include "graphsolve/io/draw.hpp"
 #include "graphsolve/largest.hpp"
 #include "graphsolve/robust_solver.hpp"
+#include "scales.hpp"
 
 namespace cli {
 
@@ -67,29 +68,6 @@ void judge(const Run& run, Attempt& attempt) {
     attempt.trouble = fmt::format("backward error {:.1e} after refinement", attempt.error.normwise);
 }
 
-/// Rows and columns by these have largest entries near 1, so that units do not matter.
-struct Scales {
-  std::vector<double> row, column;
-};
-
-Scales scales_of(const SparseMatrix& a) {
-  Scales s{std::vector<double>(a.rows, 1.0), std::vector<double>(a.rows, 1.0)};
-  for (int pass = 0; pass < 5; ++pass) {
-    std::vector<double> in_row(a.rows, 0.0), in_column(a.rows, 0.0);
-    for (int j = 0; j < a.columns; ++j)
-      for (std::int64_t k = a.begin[j]; k < a.begin[j + 1]; ++k) {
-        const double size = s.row[a.row[k]] * std::abs(a.value[k]) * s.column[j];
-        in_row[a.row[k]] = std::max(in_row[a.row[k]], size);
-        in_column[j] = std::max(in_column[j], size);
-      }
-    for (int i = 0; i < a.rows; ++i) {
-      if (in_row[i] > 0) s.row[i] /= std::sqrt(in_row[i]);
-      if (in_column[i] > 0) s.column[i] /= std::sqrt(in_column[i]);
-    }
-  }
-  return s;
-}
-
 /// Smallest singular value of the scaled matrix: an upper bound by inverse iteration with the factors. Pivots that only
 /// rounding left positive show here.
 double smallest_scaled_singular(const Scales& scales, const BlockStructure& blocks, const Factorization& factor) {
@@ -121,7 +99,7 @@ double smallest_scaled_singular(const Scales& scales, const BlockStructure& bloc
 
 /// Factors with boosted pivots are those of another matrix and say little: does the scaled one shorten some vector to
 /// rounding? By the diagnosis, which asks the matrix itself.
-bool is_singular_when_scaled(const Run& run, const Scales& scales, FactorizationKind kind) {
+bool is_singular_by_itself(const Run& run, const Scales& scales, FactorizationKind kind) {
   const BlockGraph& graph = run.source.blocks.graph;
   const SparseMatrix& a = run.source.file.matrix;
   std::vector<double> value(a.value);
@@ -136,12 +114,18 @@ bool is_singular_when_scaled(const Run& run, const Scales& scales, Factorization
   return !(diagnosis.smallest_singular > 4e-16 * diagnosis.rows * diagnosis.largest_singular);
 }
 
+bool is_singular_when_scaled(const Run& run, FactorizationKind kind) {
+  return in_all_scales(run.source.file.matrix, [&](const Scales& scales) { return is_singular_by_itself(run, scales, kind); });
+}
+
 /// Rows that were left out count as dependent in any case.
 bool is_singular(const Run& run, const Factorization& factor, const Factorization::Outcome& outcome) {
   if (outcome.dropped_rows > 0) return true;
-  const Scales scales = scales_of(run.source.file.matrix);
-  if (outcome.boosts > 0) return is_singular_when_scaled(run, scales, factor.kind());
-  return !(smallest_scaled_singular(scales, run.source.blocks, factor) > 5e-16 * std::sqrt(static_cast<double>(run.rows())));
+  if (outcome.boosts > 0) return is_singular_when_scaled(run, factor.kind());
+  const double least = 5e-16 * std::sqrt(static_cast<double>(run.rows()));
+  return in_all_scales(run.source.file.matrix, [&](const Scales& scales) {
+    return !(smallest_scaled_singular(scales, run.source.blocks, factor) > least);
+  });
 }
 
 /// As the matrix counts: from 1.
@@ -253,10 +237,14 @@ bool try_robust(const Run& run, OrderingMethod ordering) {
     if (run.columns > 1) attempt.trouble += fmt::format(" for {} of {} right-hand sides", report.unsolved, run.columns);
     attempt.error = {std::nan(""), std::nan("")};
   }
-  // Solved on the first rung, rows left out or boosted: is it singular? As after an attempt without the chain.
-  const bool doubtful = report.rung == Rung::factorization && attempt.outcome.ok() &&
-                        attempt.outcome.dropped_rows + attempt.outcome.boosts > 0;
-  if (!attempt.trouble.empty() || (doubtful && is_singular(run, solver.factorization(), attempt.outcome)))
+  // Solved all the same: is it singular? On the first rung as after an attempt without the chain. What the factors of
+  // the others left out is not told, and those of the first have failed.
+  const bool first = report.rung == Rung::factorization;
+  const auto singular = [&] {
+    if (!first || !attempt.outcome.ok()) return is_singular_when_scaled(run, solver.factorization().kind());
+    return attempt.outcome.dropped_rows + attempt.outcome.boosts > 0 && is_singular(run, solver.factorization(), attempt.outcome);
+  };
+  if (!attempt.trouble.empty() || singular())
     explain(run, diagnose(run.source.blocks.graph, solver.factorization(), attempt.outcome));
   run.result.attempts.push_back(attempt);
   return attempt.trouble.empty();

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <fstream>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -140,6 +141,32 @@ TEST_F(SolveCommand, ANetworkThatNothingHoldsIsSingularWhateverRoundingMakesOfIt
     write("held.mtx", n, entries);
     EXPECT_EQ(run("solve held.mtx").code, 0) << seed;
   }
+}
+
+// What threshold pivoting solves to rounding may be singular all the same. Which rung solves is up to rounding, and that to
+// the instruction set: of so many some get there with each.
+TEST_F(SolveCommand, WhatTheRobustChainSolvesIsAskedWhetherItIsSingular) {
+  std::mt19937 random(5);
+  const auto from = [&](int low, int high) { return low + static_cast<int>(random() % static_cast<unsigned>(high - low + 1)); };
+  const double units[] = {1, 1e-6, 1e6, 1e12};
+  int by_chain = 0;
+  for (int seed = 0; seed < 100; ++seed) {
+    double a[4][4];
+    for (auto& row : a)
+      for (double& entry : row) entry = from(-4, 4);
+    for (int j = 0; j < 4; ++j) a[3][j] = a[0][j] + a[1][j];
+    std::vector<Triplet> entries;
+    double of_row[4], of_column[4];
+    for (int i = 0; i < 4; ++i) of_row[i] = units[from(0, 3)], of_column[i] = units[from(0, 3)];
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j) entries.push_back({i, j, a[i][j] * of_row[i] * of_column[j]});
+    write("a.mtx", 4, entries);
+    const Outcome outcome = run("solve a.mtx");
+    EXPECT_EQ(outcome.code, 1) << seed << outcome.out;
+    EXPECT_NE(outcome.err.find("the matrix is singular"), std::string::npos) << seed << outcome.err;
+    by_chain += outcome.out.find("robust: threshold pivoting") != std::string::npos && outcome.err.find("--accept-singular") != std::string::npos;
+  }
+  EXPECT_GT(by_chain, 0);
 }
 
 TEST_F(SolveCommand, WhatCholeskyCannotDoLdltDoesAndBothAreReported) {
