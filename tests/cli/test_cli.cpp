@@ -279,6 +279,17 @@ TEST_F(Cli, ContactsThatCannotMoveHaveNoDistance) {
   EXPECT_EQ(outcome.out.find("inf"), std::string::npos) << outcome.out;
 }
 
+TEST_F(Cli, EnergyBeyondTheLargestNumberIsSaidAndNotPrinted) {
+  write("a.toml",
+        "format = 'graphsolve-scene'\nversion = 1\ntime_step = 0.01\n[[bodies]]\nname = 'star'\nmass = 1e200\n"
+        "inertia = [1, 1, 1]\nposition = [0, 0, 1e200]\n");
+  const Outcome outcome = run("simulate a.toml --steps 0 --summary s.json");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("beyond the largest number"), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find("nan"), std::string::npos) << outcome.out;
+  EXPECT_NE(text("s.json").find("\"end\": null"), std::string::npos) << text("s.json");
+}
+
 TEST_F(Cli, RecordsThatAreNotThereAreRefused) {
   EXPECT_EQ(refused("simulate disc --from 3"), "graphsolve: disc: holds no records, so it cannot be continued\n");
   ASSERT_EQ(run("simulate disc --steps 3 --out t.json").code, 0);
