@@ -19,7 +19,7 @@ using namespace physics;
 
 enum Regime { free_flight, rest, slide, impact, regimes };
 constexpr std::array<const char*, regimes> regime_names{"free", "rest", "slide", "impact"};
-constexpr std::array<double, regimes> allowed_mean{2, 2, 6, 9};
+constexpr std::array<double, regimes> allowed_mean{2, 1, 6, 9};
 
 constexpr double touching = 1e-6;  // [m]
 constexpr double still = 1e-3;     // [m/s, rad/s]
@@ -123,15 +123,23 @@ TEST(Iterations, OfSwingingLoopsAndChainsAreThreeAtMostOnAverage) {
   }
 }
 
-TEST(Iterations, OfRestingThingsAreTwoAtMostOnAverage) {
+TEST(Iterations, OfRestingThingsAreOneAtMostOnAverage) {
   expect_few(rest, {{"sliding_box:speed=0", 1},
                     {"box_on_slope", 1},
                     {"box_on_slope:fraction=0.5,dt=0.001", 1},
                     {"box_on_slope:fraction=0.99", 1},
                     {"tumbling_box", 3},
                     {"disc:c=100", 3},
-                    {"snake:n=20,speed=0", 2},
-                    {"quadruped:frequency=0", 2}});
+                    {"snake:n=20,speed=0", 2}});
+}
+
+/// Motors that hold a stand let it creep on, slower than what counts as rest here: a step more often than not has to be
+/// taken, not only looked at.
+TEST(Iterations, OfAQuadrupedThatStandsAreOneAndAHalfAtMostOnAverage) {
+  const Counts counts = count("quadruped:frequency=0", 2);
+  print("quadruped:frequency=0", counts);
+  ASSERT_GT(counts[rest].steps, 0);
+  EXPECT_LE(counts[rest].mean(), 1.5);
 }
 
 TEST(Iterations, OfSlidingThingsAreSixAtMostOnAverage) {
