@@ -179,6 +179,53 @@ TEST(BatchSimulator, ALaneThatNeedsSubstepsTakesThemAlone) {
   expect_same_bits(record_of(batch, 2), record, "the easy one");
 }
 
+/// Gravity bounds the tolerance, and what rounding of far positions excuses: of each copy its own.
+TEST(BatchSimulator, CopiesOfOtherGravityAreAcceptedAtTheToleranceOfASimulatorOfTheirOwn) {
+  const std::vector<double> factors{1, 0, 1e-9, 1.1e-5, 1e-3, 1, 7, 1e-6, 1, 1e-7};
+  for (const double tolerance : {1e-8, 0.5}) {
+    for (const double distance : {0.0, 1e6}) {
+      SimulatorSettings settings;
+      settings.tolerance = tolerance;
+      const auto scene = [&](double factor) {
+        Mechanism snake = built_in_scene("snake:n=3,height=0.001");
+        snake.gravity *= factor;
+        for (Body& body : snake.bodies) body.position.x() += distance;
+        return snake;
+      };
+      const int lanes = static_cast<int>(factors.size());
+      BatchSimulator batch(scene(1), lanes, settings);
+      std::vector<Simulator> alone;
+      long long contact_steps = 0;
+      for (int i = 0; i < lanes; ++i) {
+        batch.load(i, scene(factors[i]));
+        alone.emplace_back(scene(factors[i]), settings);
+      }
+      for (int k = 0; k < 30; ++k) {
+        std::vector<int> running;  // far away some gravities are too small to be told from rounding, and steps fail
+        for (int i = 0; i < lanes; ++i)
+          if (batch.running(i)) running.push_back(i);
+        batch.step();
+        for (const int i : running) {
+          const StepResult result = alone[i].step();
+          ASSERT_EQ(batch.result(i).status, result.status) << factors[i];
+          ASSERT_EQ(batch.result(i).iterations, result.iterations) << factors[i];
+        }
+      }
+      for (int i = 0; i < lanes; ++i) {
+        StepRecord record;
+        alone[i].write_record(record);
+        expect_same_bits(record_of(batch, i), record, "gravity times " + std::to_string(factors[i]));
+        contact_steps += alone[i].problem_size().contact_steps;
+      }
+      EXPECT_EQ(batch.problem_size().contact_steps, contact_steps);
+      batch.load(2, scene(1));  // what was apart comes back to the others
+      batch.step();
+      EXPECT_TRUE(batch.result(2).ok());
+      EXPECT_GT(batch.problem_size().contact_steps, contact_steps);
+    }
+  }
+}
+
 TEST(BatchSimulator, ACopyOfAnotherStructureIsRefusedByName) {
   BatchSimulator batch(built_in_scene("snake:n=3"), 2);
   const auto refusal = [&](Mechanism copy) {

@@ -14,7 +14,8 @@ namespace physics {
 /// k equal scenes are one graph of k components, so this is a Simulator on the union: equal operations of neighbouring
 /// lanes are done by one vector. What happens in a lane depends on nothing in the others: it converges on its own, and a
 /// step that fails is tried again alone, in shorter steps. A copy's motion is therefore the same in bits in any lane and
-/// any company, and what a Simulator makes of that scene.
+/// any company, and what a Simulator makes of that scene. Where its gravity is so small that it bounds the tolerance
+/// (loosest_tolerance), or no longer does, it is stepped by itself to be so, without neighbours to share vectors with.
 ///
 /// One per thread. Building one allocates everything; `step` allocates nothing, `load` does.
 class BatchSimulator {

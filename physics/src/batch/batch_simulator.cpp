@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <stdexcept>
 
@@ -36,7 +37,8 @@ void check_memory(int lanes, double bytes_per_lane) {
 
 }  // namespace
 
-/// Eight lanes at a time go through a whole step: their numbers stay in the cache, and they fill the vectors.
+/// Eight lanes at a time go through a whole step: their numbers stay in the cache, and they fill the vectors. One solver has
+/// one tolerance: a copy whose gravity asks for another (loosest_tolerance) has a stepper of its own, apart from the others.
 struct BatchSimulator::Impl {
   struct Cohort {
     std::unique_ptr<Stepper> stepper;
@@ -47,7 +49,8 @@ struct BatchSimulator::Impl {
     int lane;  ///< of this stepper
   };
 
-  Impl(const Mechanism& scene, int lanes, const SimulatorSettings& options) : count(at_least_one(lanes)) {
+  Impl(const Mechanism& scene, int lanes, const SimulatorSettings& options)
+      : count(at_least_one(lanes)), settings(options), apart(lanes) {
     for (int first = 0; first < count; first += Interleaving::width) {
       const int some = std::min(Interleaving::width, count - first);
       const Stepper* same = !cohorts.empty() && some == Interleaving::width ? cohorts.front().stepper.get() : nullptr;
@@ -56,6 +59,7 @@ struct BatchSimulator::Impl {
       std::iota(cohort.running.begin(), cohort.running.end(), 0);
       if (first == 0) check_memory(lanes, least_bytes(scene, cohort.stepper->size, some));
     }
+    together.reserve(Interleaving::width);
     reckon();
   }
   [[nodiscard]] Cohort& cohort(int lane) {
@@ -63,7 +67,11 @@ struct BatchSimulator::Impl {
       throw std::out_of_range(fmt::format("there is no lane {}, but 0 to {}", lane, count - 1));
     return cohorts[lane / Interleaving::width];
   }
-  [[nodiscard]] Place at(int lane) { return {*cohort(lane).stepper, lane % Interleaving::width}; }
+  [[nodiscard]] Place among_others(int lane) { return {*cohort(lane).stepper, lane % Interleaving::width}; }
+  [[nodiscard]] Place at(int lane) {
+    const Place place = among_others(lane);
+    return apart[lane] ? Place{*apart[lane], 0} : place;
+  }
   [[nodiscard]] const Lane& lane(int lane) { return at(lane).stepper.lanes[at(lane).lane]; }
 
   void stop(int lane) { std::erase(cohort(lane).running, lane % Interleaving::width); }
@@ -73,18 +81,59 @@ struct BatchSimulator::Impl {
     const auto place = std::lower_bound(running.begin(), running.end(), own);
     if (place == running.end() || *place != own) running.insert(place, own);
   }
-  /// Times and sizes of all cohorts together.
+  void load(int lane, Mechanism copy) {
+    stop(lane);
+    const auto [stepper, own] = among_others(lane);
+    stepper.load(own, std::move(copy));  // looks whether it fits
+    const Mechanism& scene = stepper.lanes[own].mechanism;
+    std::unique_ptr<Stepper> alone;
+    if (std::min(settings.tolerance, loosest_tolerance(scene)) != stepper.settings.tolerance) {
+      const auto other = std::ranges::find_if(apart, [](const auto& a) { return a != nullptr; });
+      alone = std::make_unique<Stepper>(scene, 1, settings, other == apart.end() ? nullptr : other->get());
+    }
+    if (apart[lane]) add_work(*apart[lane], past_times, past_work);
+    apart[lane] = std::move(alone);
+    run(lane);
+  }
+  void step() {
+    for (int first = 0; Cohort& cohort : cohorts) {
+      together.clear();
+      for (const int own : cohort.running) {
+        if (apart[first + own]) apart[first + own]->step(std::array{0});
+        else together.push_back(own);
+      }
+      if (!together.empty()) cohort.stepper->step(together);
+      std::erase_if(cohort.running, [&](int own) { return !lane(first + own).last.ok(); });
+      first += Interleaving::width;
+    }
+    reckon();
+  }
+
+  /// Of a copy apart: its nodes are counted in its place among the others.
+  static void add_work(const Stepper& stepper, PhaseTimes& times, ProblemSize& size) {
+    times += stepper.times;
+    for (auto part : {&ProblemSize::culled_contacts, &ProblemSize::contact_steps, &ProblemSize::newton_steps})
+      size.*part += stepper.size.*part;
+  }
+  /// Times and sizes of all copies together.
   void reckon() {
-    times = {};
-    size = {};
+    times = past_times;
+    size = past_work;
     for (const Cohort& cohort : cohorts) {
       times += cohort.stepper->times;
       size += cohort.stepper->size;
     }
+    for (const auto& stepper : apart)
+      if (stepper) add_work(*stepper, times, size);
   }
 
   int count;
+  SimulatorSettings settings;
   std::vector<Cohort> cohorts;
+  std::vector<std::unique_ptr<Stepper>> apart;  ///< by lane, null for most
+  std::vector<int> together;                    ///< scratch: lanes of a cohort that step as one
+  PhaseTimes past_times;                        ///< of copies that were apart
+  ProblemSize past_work;
   PhaseTimes times;
   ProblemSize size;
 };
@@ -97,27 +146,14 @@ BatchSimulator& BatchSimulator::operator=(BatchSimulator&&) noexcept = default;
 
 int BatchSimulator::lanes() const { return impl_->count; }
 
-void BatchSimulator::load(int lane, Mechanism copy) {
-  impl_->stop(lane);
-  const auto [stepper, own] = impl_->at(lane);
-  stepper.load(own, std::move(copy));
-  impl_->run(lane);
-}
-
+void BatchSimulator::load(int lane, Mechanism copy) { impl_->load(lane, std::move(copy)); }
 void BatchSimulator::unload(int lane) { impl_->stop(lane); }
 
 bool BatchSimulator::running(int lane) const {
   return std::ranges::binary_search(impl_->cohort(lane).running, lane % Interleaving::width);
 }
 
-void BatchSimulator::step() {
-  for (auto& [stepper, running] : impl_->cohorts) {
-    if (running.empty()) continue;
-    stepper->step(running);
-    std::erase_if(running, [&](int lane) { return !stepper->lanes[lane].last.ok(); });
-  }
-  impl_->reckon();
-}
+void BatchSimulator::step() { impl_->step(); }
 
 const StepResult& BatchSimulator::result(int lane) const { return impl_->lane(lane).last; }
 const Mechanism& BatchSimulator::mechanism(int lane) const { return impl_->lane(lane).mechanism; }

@@ -209,7 +209,7 @@ void Stepper::note_distances(int lane) {
   for (int k = 0; k < bodies_per_lane; ++k) {
     const int i = body(lane, k);
     const double of_position = 8 * 2.2e-16 * bodies.position(i).lpNorm<Eigen::Infinity>() / bodies.dt;
-    noise[island[i]] = std::max(noise[island[i]], std::min(of_position, most_noise));
+    noise[island[i]] = std::max(noise[island[i]], std::min(of_position, lanes[lane].most_noise));
   }
 }
 

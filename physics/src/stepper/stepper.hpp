@@ -39,6 +39,7 @@ struct Lane {
   int counted_from = 0;   ///< step that had time_there; times are told from it, not summed up, so that they do not drift
   double time_there = 0;  ///< [s]
   double start_correction = 0;
+  double most_noise = 0;  ///< largest residual that rounding excuses: the loosest tolerance [m/s]
   double smallest_distance = 0;  ///< over all contacts, where the last step began
   Attempt attempt;
   StepResult last;
@@ -115,7 +116,6 @@ struct Stepper {
 
   SimulatorSettings settings;
   double dt = 0;
-  double most_noise = 0;  ///< largest residual that rounding excuses: the loosest tolerance [m/s]
   Interleaving side_by_side;
   int bodies_per_lane = 0, joints_per_lane = 0;
   std::vector<Lane> lanes;

@@ -71,8 +71,7 @@ Stepper::Stepper(Mechanism scene, int copies, const SimulatorSettings& options, 
   for (int lane = 1; lane < copies; ++lane) (void)describe(lane, scene);
   Assembly assembly = describe(0, std::move(scene));
   dt = lanes[0].mechanism.time_step;
-  most_noise = loosest_tolerance(lanes[0].mechanism);
-  settings.tolerance = std::min(settings.tolerance, most_noise);
+  settings.tolerance = std::min(settings.tolerance, lanes[0].most_noise);
   build(assembly);
   make_solver(assembly, same);
   for (int lane = 0; lane < copies; ++lane) start(lane, assembly);
@@ -89,6 +88,7 @@ Assembly Stepper::describe(int lane, Mechanism scene) {
   if (solver) check_structure(scene, assembly);
   const auto shrink = [](auto&... lists) { (lists.shrink_to_fit(), ...); };
   shrink(scene.bodies, scene.joints, scene.contacts, scene.loads);  // kept as long as the lane is
+  lanes[lane].most_noise = loosest_tolerance(scene);
   lanes[lane].mechanism = std::move(scene);
   if (assembly.bodies.size() != lanes[lane].mechanism.bodies.size()) lanes[lane].placement = assembly.placement;
   return assembly;
