@@ -50,7 +50,7 @@ struct BatchSimulator::Impl {
   };
 
   Impl(const Mechanism& scene, int lanes, const SimulatorSettings& options)
-      : count(at_least_one(lanes)), settings(options), apart(lanes) {
+      : count(at_least_one(lanes)), settings(options) {
     for (int first = 0; first < count; first += Interleaving::width) {
       const int some = std::min(Interleaving::width, count - first);
       const Stepper* same = !cohorts.empty() && some == Interleaving::width ? cohorts.front().stepper.get() : nullptr;
@@ -59,6 +59,7 @@ struct BatchSimulator::Impl {
       std::iota(cohort.running.begin(), cohort.running.end(), 0);
       if (first == 0) check_memory(lanes, least_bytes(scene, cohort.stepper->size, some));
     }
+    apart.resize(count);
     together.reserve(Interleaving::width);
     reckon();
   }
