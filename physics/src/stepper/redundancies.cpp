@@ -9,7 +9,7 @@ namespace physics {
 
 namespace {
 
-constexpr int only[] = {0};  ///< the lane of a simulator
+constexpr int lane_of_simulator[] = {0};
 
 /// Looking begins a step at the present pose. What the last one left, which records tell forces by, is put back at the end.
 class Kept {
@@ -43,9 +43,9 @@ std::vector<std::string> Simulator::redundancies() const {
   Impl& s = *impl_;
   const Lane& lane = s.lanes.front();
   const Kept kept(s);
-  s.begin(only, s.dt);
+  s.begin(lane_of_simulator, s.dt);
   for (int j = 0; j < s.joints.size(); ++j) s.joints.prepare(j, lane.time(1), s.dt);
-  s.joints.aim(only);
+  s.joints.aim(lane_of_simulator);
   const auto& factorization = s.solver->factorize_terms(s.unknowns);
   std::vector<double> y(s.unknowns.size());
   struct Group {
