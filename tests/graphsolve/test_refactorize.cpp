@@ -146,6 +146,8 @@ TEST(Refactorize, AfterAFailureEverythingIsDoneAgain) {
   const double before = g->kept_entry(handle);
   g->kept_entry(handle) = std::numeric_limits<double>::quiet_NaN();
   ASSERT_FALSE(g->refactorize({&node, 1}).ok());
+  std::vector<double> x(problem.right.begin(), problem.right.end());
+  EXPECT_THROW(g->solve(x), std::logic_error) << "there are no factors";
   g->kept_entry(handle) = before;
   const auto outcome = g->refactorize({&node, 1});
   ASSERT_TRUE(outcome.ok());

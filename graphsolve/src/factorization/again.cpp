@@ -107,6 +107,7 @@ Factorization::Outcome Factorization::Impl::refactorize(std::span<const NodeId> 
   for (const int k : queue_) mark_[k] = Mark::none;
   total_ = outcome;
   complete_ = outcome.ok();
+  if (!complete_) outcomes_[s.component(s.node(outcome.first_bad_pivot))].first_bad_pivot = outcome.first_bad_pivot;
   return outcome;
 }
 
