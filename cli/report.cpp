@@ -122,7 +122,7 @@ std::string for_people(const Report& report) {
   const char* label = "left out";
   for (const std::string& part : left_out(s.size)) line(out, std::exchange(label, ""), part);
   if (s.start_correction > report.tolerance)  // not what rounding leaves
-    line(out, "start correction", fmt::format("{:.3g} m/s, to agree with the joints", s.start_correction));
+    line(out, "start correction", fmt::format("{:.3g} m/s, to agree with the joints; {:.3g} J lost", s.start_correction, s.start_energy_loss));
   for (const std::string& sentence : s.redundancies) line(out, "redundant", sentence);
   line(out, "time per step", time_text(s));
   return out;

@@ -91,6 +91,7 @@ std::string as_json(const Report& report) {
   json["problem"] = to_json(s.size);
   json["left_out"] = left_out(s.size);
   json["start_correction_m_per_s"] = s.start_correction;
+  json["start_energy_loss_J"] = s.start_energy_loss;
   json["redundancies"] = s.redundancies;
   json["simulated_time_s"] = s.simulated_time;
   json["wall_time_s"] = s.wall_time;

@@ -51,7 +51,8 @@ struct RunSummary {
   double wall_time = 0;       ///< all of the loop, callbacks included [s]
   PhaseTimes phases;          ///< of this run [s]
   ProblemSize size;
-  double start_correction = 0;            ///< [m/s]
+  double start_correction = 0;            ///< [m/s], and
+  double start_energy_loss = 0;           ///< [J]: see Simulator
   std::vector<std::string> redundancies;  ///< at the start
 };
 

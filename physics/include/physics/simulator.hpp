@@ -119,8 +119,12 @@ class Simulator {
   [[nodiscard]] double energy() const;
   [[nodiscard]] Vec3 linear_momentum() const;   ///< [N s]
   [[nodiscard]] Vec3 angular_momentum() const;  ///< about the world origin [N m s]
-  /// Correction that made the start velocities agree with the joints [m/s]; 0 when they did.
+  /// Velocities of the description that joints forbid become the nearest that they allow, by kinetic energy: what an
+  /// impulse of the joints does. The largest rate at which those given would have opened a joint [m/s]; 0 or rounding
+  /// where they agree with the joints. After restart_from nothing is changed, and this is left for the next step to do.
   [[nodiscard]] double start_correction() const;
+  /// Kinetic energy that this took [J].
+  [[nodiscard]] double start_energy_loss() const;
 
   [[nodiscard]] const PhaseTimes& phase_times() const;
   [[nodiscard]] const ProblemSize& problem_size() const;

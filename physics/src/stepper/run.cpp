@@ -37,6 +37,7 @@ void begin(RunSummary& summary, const Simulator& simulator) {
   summary.momentum_start = simulator.linear_momentum();
   summary.angular_momentum_start = simulator.angular_momentum();
   summary.start_correction = simulator.start_correction();
+  summary.start_energy_loss = simulator.start_energy_loss();
   summary.redundancies = simulator.redundancies();
 }
 

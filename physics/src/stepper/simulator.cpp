@@ -88,10 +88,9 @@ void Simulator::restart_from(const StepRecord& record) {
   Impl& s = *impl_;
   Lane& lane = s.lanes[only];
   check_record(lane.mechanism, record);
-  s.set_state(only, record.bodies, false);
-  s.contacts->set(only, lane.mechanism, s.assembly(only));  // bases of the scene, where the record has none
   const int substeps = record.solver ? std::max(1, record.solver->substeps) : 1;
-  lane.state.time_step = s.dt / substeps;
+  s.set_state(only, record.bodies, {.time_step = s.dt / substeps});
+  s.contacts->set(only, lane.mechanism, s.assembly(only));  // bases of the scene, where the record has none
   // Forces of the record make the start warm and keep the friction basis; a start without them is only colder.
   if (record.contacts.size() == lane.mechanism.contacts.size())
     s.contacts->load_record(only, record.contacts, lane.state.time_step);
@@ -113,6 +112,7 @@ double Simulator::time() const { return impl_->lanes[only].time(); }
 double Simulator::time_step() const { return impl_->dt; }
 const Mechanism& Simulator::mechanism() const { return impl_->lanes[only].mechanism; }
 double Simulator::start_correction() const { return impl_->lanes[only].start_correction; }
+double Simulator::start_energy_loss() const { return impl_->lanes[only].start_energy_loss; }
 double Simulator::smallest_distance() const { return impl_->contacts->smallest_distance(only); }
 double Simulator::largest_joint_error() const { return impl_->largest_joint_error(only); }
 std::optional<double> Simulator::joint_coordinate(int joint) const { return impl_->joint_coordinate(only, joint); }

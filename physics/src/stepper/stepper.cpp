@@ -15,9 +15,6 @@ using graphsolve::Status;
 
 namespace {
 
-/// [rad/s] at the start of a step of length h
-double most_spin(double h) { return 0.95 * Bodies::largest_turn / h; }
-
 constexpr int more_when_turned = 16;  ///< the last resort may take this many times more substeps
 
 /// Where a step fails, more and shorter ones; where these fail too, with the force directions at the new configuration.

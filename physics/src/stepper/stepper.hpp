@@ -39,6 +39,7 @@ struct Lane {
   int counted_from = 0;   ///< step that had time_there; times are told from it, not summed up, so that they do not drift
   double time_there = 0;  ///< [s]
   double start_correction = 0;
+  double start_energy_loss = 0;
   double most_noise = 0;  ///< largest residual that rounding excuses: the loosest tolerance [m/s]
   double smallest_distance = 0;  ///< over all contacts, where the last step began
   Attempt attempt;
@@ -75,7 +76,8 @@ struct Stepper {
   void load(int lane, Mechanism scene);
   /// One step of each of these lanes; outcomes in Lane::last. A lane that fails keeps its state.
   void step(std::span<const int> lanes);
-  void set_state(int lane, std::span<const BodyRecord> records, bool half_kick);
+  /// state: what is known of the step that led there.
+  void set_state(int lane, std::span<const BodyRecord> records, const LaneState& state);
   /// Momenta of lanes at the start of a step of length h, and their velocities as its first unknowns.
   void begin(std::span<const int> begun, double h);
 
@@ -144,6 +146,13 @@ struct Stepper {
   void set_row_scales(int lane, const Assembly& assembly);
   void start(int lane, Assembly& assembly);
   void check_start(int lane) const;
+  void agree_with_joints(int lane);
+  [[nodiscard]] double opening(int lane, std::span<const double> x) const;
+  void put_velocities(int lane, std::span<double> x) const;
+  [[nodiscard]] bool led_by_a_step(int lane) const;
+  [[nodiscard]] double slack_of_members(int lane) const;
+  void join_members(int lane);
+  [[nodiscard]] bool project(int lane, std::span<double> v);
   void check_structure(const Mechanism& scene, const Assembly& assembly) const;
   [[nodiscard]] std::optional<int> find_coordinate(int lane, int described) const;
   [[nodiscard]] double step_before(int lane) const;
@@ -165,6 +174,9 @@ struct Stepper {
 
   std::vector<int> going_, solving_, solved_, components_;  ///< scratch
 };
+
+/// [rad/s] at the start of a step of length h
+inline double most_spin(double h) { return 0.95 * Bodies::largest_turn / h; }
 
 /// The motor that drives a joint, null where there is none.
 const Motor* motor_of(const Mechanism& mechanism, const JointGeometry& geometry);

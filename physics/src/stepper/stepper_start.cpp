@@ -51,13 +51,14 @@ void Stepper::start(int lane, Assembly& assembly) {
   std::vector<BodyRecord> records;
   for (const Body& body : l.mechanism.bodies)
     records.push_back({body.position, body.orientation, body.velocity, body.angular_velocity});
-  set_state(lane, records, l.mechanism.start == Start::half_kick);
+  set_state(lane, records, {.time_step = dt, .half_kick = l.mechanism.start == Start::half_kick});
   l.set_time(0, 0);
   l.last = {};
   check_start(lane);
+  agree_with_joints(lane);
 }
 
-void Stepper::set_state(int lane, std::span<const BodyRecord> records, bool half_kick) {
+void Stepper::set_state(int lane, std::span<const BodyRecord> records, const LaneState& state) {
   Lane& l = lanes[lane];
   for (int k = 0; k < bodies_per_lane; ++k) {
     bodies.place(body(lane, k), Vec3::Zero(), Quat::Identity());
@@ -74,19 +75,20 @@ void Stepper::set_state(int lane, std::span<const BodyRecord> records, bool half
     const Quat q = record.orientation.normalized() * place.rotation.conjugate();
     bodies.place(i, record.position - q * place.offset, q);
   }
-  l.state = {.time_step = dt, .half_kick = half_kick};
+  l.state = state;
   begin({&lane, 1}, dt);
   bodies.keep_energies({&lane, 1});
   contacts->clear(lane);
-  l.start_correction = 0;
   joints.aim({&lane, 1});
   for (int k = 0; k < joints_per_lane; ++k) {
     const int j = joint(lane, k);
     std::fill_n(unknowns.data() + joints.row(j), joints.rows(j), 0.0);
     joints.prepare(j, 0, dt);
     joints.reset_coordinate(j);
-    l.start_correction = std::max(l.start_correction, joints.opening_rate(j, unknowns));
   }
+  l.start_correction = opening(lane, unknowns);
+  l.start_energy_loss = 0;
+  if (!state.half_kick && l.start_correction > settings.tolerance && led_by_a_step(lane)) l.start_correction = 0;
 }
 
 void Stepper::check_start(int lane) const {

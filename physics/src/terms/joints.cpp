@@ -195,17 +195,27 @@ double Joints::motor_impulse(int i, std::span<const double> x) const { return x[
 
 double Joints::opening_rate(int i, std::span<const double> x) const {
   const Joint& joint = joints_[i];
-  const Matrix6 on_child = child_force(joint), on_parent = parent_force(joint);
+  const Rows rates = opening(joint, x);
   double largest = 0;
-  for (int r = 0; r < constraints(joint.kind); ++r) {
-    double rate = 0;
-    for (int j = 0; j < 6; ++j) {
-      if (joint.child_row >= 0) rate += on_child(r, j) * x[joint.child_row + j];
-      if (joint.parent_row >= 0) rate += on_parent(r, j) * x[joint.parent_row + j];
-    }
-    largest = std::max(largest, std::abs(rate));
-  }
+  for (int r = 0; r < constraints(joint.kind); ++r) largest = std::max(largest, std::abs(rates[r]));
   return largest;
+}
+
+void Joints::subtract_opening(int i, std::span<const double> x, std::span<double> r) const {
+  const Joint& joint = joints_[i];
+  const Rows rates = opening(joint, x);
+  for (int k = 0; k < constraints(joint.kind); ++k) r[joint.row + k] -= rates[k];
+}
+
+Joints::Rows Joints::opening(const Joint& joint, std::span<const double> x) const {
+  const Matrix6 on_child = child_force(joint), on_parent = parent_force(joint);
+  Rows rates{};
+  for (int r = 0; r < constraints(joint.kind); ++r)
+    for (int j = 0; j < 6; ++j) {
+      if (joint.child_row >= 0) rates[r] += on_child(r, j) * x[joint.child_row + j];
+      if (joint.parent_row >= 0) rates[r] += on_parent(r, j) * x[joint.parent_row + j];
+    }
+  return rates;
 }
 
 }  // namespace physics

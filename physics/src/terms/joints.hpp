@@ -104,8 +104,14 @@ class Joints final : public graphsolve::Term {
   /// Impulse on the child, world frame, and angular impulse about its joint point, from the multipliers.
   void impulse(int i, std::span<const double> x, Vec3& linear, Vec3& angular) const;
   [[nodiscard]] double motor_impulse(int i, std::span<const double> x) const;
-  /// Joint rows times given velocities: how fast the start opens the joint [m/s, rad/s].
+  /// Largest of the joint's rows times velocities x: how fast these open the joint [m/s, rad/s].
   [[nodiscard]] double opening_rate(int i, std::span<const double> x) const;
+  /// Subtracts all of them from the joint's rows of r.
+  void subtract_opening(int i, std::span<const double> x, std::span<double> r) const;
+  /// The motor does nothing until it is prepared again.
+  void release(int i) {
+    if (joints_[i].motor) motor_octet(joints_[i]).limit[lane_of(joints_[i].place)] = 0;
+  }
 
  private:
   struct Joint {
@@ -120,6 +126,8 @@ class Joints final : public graphsolve::Term {
     double saved_coordinate = 0;
   };
 
+  using Rows = std::array<double, 6>;
+  [[nodiscard]] Rows opening(const Joint& joint, std::span<const double> x) const;
   void violation(const Joint& joint, const Pose& a, const Pose& b, double* g) const;
   /// Rows x 6: derivatives of the rows by (x, theta) of parent and child, theta in the body's frame.
   static void directions(const JointGeometry& geometry, const Motor* motor, const Pose& a, const Pose& b,
