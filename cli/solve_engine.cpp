@@ -11,7 +11,6 @@
 #include "graphsolve/io/draw.hpp"
 #include "graphsolve/largest.hpp"
 #include "graphsolve/robust_solver.hpp"
-#include "scales.hpp"
 
 namespace cli {
 
@@ -66,66 +65,6 @@ void judge(const Run& run, Attempt& attempt) {
   }
   if (!(attempt.error.normwise <= solved_below))
     attempt.trouble = fmt::format("backward error {:.1e} after refinement", attempt.error.normwise);
-}
-
-/// Smallest singular value of the scaled matrix: an upper bound by inverse iteration with the factors. Pivots that only
-/// rounding left positive show here.
-double smallest_scaled_singular(const Scales& scales, const BlockStructure& blocks, const Factorization& factor) {
-  const std::size_t rows = scales.row.size();
-  std::vector<double> v(rows), scratch(rows);
-  const auto normalize = [&] {
-    double squared = 0;
-    for (const double x : v) squared += x * x;
-    for (double& x : v) x /= std::sqrt(squared);
-    return std::sqrt(squared);
-  };
-  const auto divide = [&](const std::vector<double>& by) {
-    for (std::size_t i = 0; i < rows; ++i) v[i] /= by[i];
-  };
-  for (std::size_t i = 0; i < rows; ++i) v[i] = 1 + 0.5 * std::sin(2.3 * static_cast<double>(i));
-  double lengthened = 0;
-  for (int sweep = 0; sweep < 2; ++sweep)
-    for (const bool transposed : {true, false}) {
-      normalize();
-      divide(transposed ? scales.column : scales.row);
-      blocks.to_graph(v, scratch);
-      transposed ? factor.solve_transposed(scratch) : factor.solve(scratch);
-      blocks.to_matrix(scratch, v);
-      divide(transposed ? scales.row : scales.column);
-      lengthened = normalize();
-    }
-  return 1 / lengthened;
-}
-
-/// Factors with boosted pivots are those of another matrix and say little: does the scaled one shorten some vector to
-/// rounding? By the diagnosis, which asks the matrix itself.
-bool is_singular_by_itself(const Run& run, const Scales& scales, FactorizationKind kind) {
-  const BlockGraph& graph = run.source.blocks.graph;
-  const SparseMatrix& a = run.source.file.matrix;
-  std::vector<double> value(a.value);
-  for (int j = 0; j < a.columns; ++j)
-    for (std::int64_t k = a.begin[j]; k < a.begin[j + 1]; ++k) value[k] *= scales.row[a.row[k]] * scales.column[j];
-  Factorization scaled(std::make_shared<const Symbolic>(graph, minimum_fill_ordering(graph)), kind);
-  scaled.allow_refinement();
-  scaled.keep_matrix(true);
-  EntryMap(a, run.source.blocks, scaled.symbolic()).write(value, scaled.values());
-  const Factorization::Outcome outcome = scaled.factorize();
-  const Diagnosis diagnosis = diagnose(graph, scaled, outcome);
-  return !(diagnosis.smallest_singular > 4e-16 * diagnosis.rows * diagnosis.largest_singular);
-}
-
-bool is_singular_when_scaled(const Run& run, FactorizationKind kind) {
-  return in_all_scales(run.source.file.matrix, [&](const Scales& scales) { return is_singular_by_itself(run, scales, kind); });
-}
-
-/// Rows that were left out count as dependent in any case.
-bool is_singular(const Run& run, const Factorization& factor, const Factorization::Outcome& outcome) {
-  if (outcome.dropped_rows > 0) return true;
-  if (outcome.boosts > 0) return is_singular_when_scaled(run, factor.kind());
-  const double least = 5e-16 * std::sqrt(static_cast<double>(run.rows()));
-  return in_all_scales(run.source.file.matrix, [&](const Scales& scales) {
-    return !(smallest_scaled_singular(scales, run.source.blocks, factor) > least);
-  });
 }
 
 /// As the matrix counts: from 1.
@@ -199,7 +138,8 @@ bool try_graph(const Run& run, const std::shared_ptr<const Symbolic>& symbolic, 
     }
     attempt.solve_seconds = cpu_seconds() - factored;
     judge(run, attempt);
-    if (is_singular(run, factor, attempt.outcome)) explain(run, diagnose(run.source.blocks.graph, factor, attempt.outcome));
+    if (is_singular(factor, attempt.outcome)) explain(run, diagnose(run.source.blocks.graph, factor, attempt.outcome));
+    else if (attempt.outcome.dropped_rows > 0) attempt.trouble = "left out rows that do not depend on others";
   }
   run.result.attempts.push_back(attempt);
   return attempt.trouble.empty();
@@ -237,14 +177,7 @@ bool try_robust(const Run& run, OrderingMethod ordering) {
     if (run.columns > 1) attempt.trouble += fmt::format(" for {} of {} right-hand sides", report.unsolved, run.columns);
     attempt.error = {std::nan(""), std::nan("")};
   }
-  // Solved all the same: is it singular? On the first rung as after an attempt without the chain. What the factors of
-  // the others left out is not told, and those of the first have failed.
-  const bool first = report.rung == Rung::factorization;
-  const auto singular = [&] {
-    if (!first || !attempt.outcome.ok()) return is_singular_when_scaled(run, solver.factorization().kind());
-    return attempt.outcome.dropped_rows + attempt.outcome.boosts > 0 && is_singular(run, solver.factorization(), attempt.outcome);
-  };
-  if (!attempt.trouble.empty() || singular())
+  if (!attempt.trouble.empty() || is_singular(solver.factorization(), attempt.outcome))
     explain(run, diagnose(run.source.blocks.graph, solver.factorization(), attempt.outcome));
   run.result.attempts.push_back(attempt);
   return attempt.trouble.empty();

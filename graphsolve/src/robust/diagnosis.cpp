@@ -1,13 +1,12 @@
 #include "graphsolve/diagnosis.hpp"
 
-#include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <stdexcept>
 
 #include "factorization/kept_matrix.hpp"
 #include "graph/structural_rank.hpp"
+#include "robust/near_null.hpp"
 
 namespace graphsolve {
 
@@ -60,32 +59,13 @@ std::vector<Diagnosis::Group> find_redundant(const BlockGraph& graph, const Fact
   return groups;
 }
 
-/// Inverse iteration with A'A by a sparse LU of A, moved off a singular point by a shift of rounding size.
 void find_near_null(const BlockGraph& graph, const Eigen::SparseMatrix<double>& a, Diagnosis& result) {
-  const Eigen::Index n = a.rows();
-  for (int j = 0; j < n; ++j) result.largest_singular = std::max(result.largest_singular, a.col(j).norm());
-  Eigen::SparseMatrix<double> identity(n, n);
-  identity.setIdentity();
-  Eigen::SparseLU<Eigen::SparseMatrix<double>> lu;
-  double shift = 0;
-  for (int attempt = 0; attempt < 4; ++attempt) {
-    lu.compute(a + shift * identity);
-    if (lu.info() == Eigen::Success) break;
-    shift = shift == 0 ? 1e-15 * (result.largest_singular > 0 ? result.largest_singular : 1) : 100 * shift;
-  }
-  if (lu.info() != Eigen::Success) return;
-  Eigen::VectorXd v = Eigen::VectorXd::NullaryExpr(n, [](Eigen::Index i) { return 1 + 0.5 * std::sin(2.3 * static_cast<double>(i)); });
-  for (int sweep = 0; sweep < 6; ++sweep) {
-    const Eigen::VectorXd w = lu.transpose().solve(v.normalized()).normalized();
-    const Eigen::VectorXd next = lu.solve(w);
-    if (!next.allFinite() || next.norm() == 0) break;
-    v = next;
-  }
-  v.normalize();
-  if (!v.allFinite()) return;
-  result.smallest_singular = (a * v).norm();
+  const NearNull found = near_null(a);
+  result.largest_singular = found.column;
+  result.smallest_singular = found.shortened;
+  if (found.vector.size() == 0) return;
   for (int k = 0; k < graph.size(); ++k) {
-    const double share = v.segment(graph.row({k}), graph.dimension({k})).squaredNorm();
+    const double share = found.vector.segment(graph.row({k}), graph.dimension({k})).squaredNorm();
     if (share > 1e-6) result.near_null.push_back({std::string(graph.name({k})), share});
   }
   std::ranges::stable_sort(result.near_null, std::greater{}, &Diagnosis::Share::share);

@@ -8,13 +8,7 @@ namespace graphsolve {
 
 namespace {
 
-constexpr int equilibrations = 5;  ///< each halves the digits by which rows and columns differ
 constexpr int patience = 3;        ///< sweeps in a row that may bring nothing
-
-/// Largest entry of each row or column, to the power -1/2, as a power of two; 1 where there is none.
-Eigen::VectorXd half_way_to_one(const Eigen::VectorXd& largest) {
-  return largest.unaryExpr([](double m) { return m > 0 && std::isfinite(m) ? std::ldexp(1.0, -std::ilogb(m) / 2) : 1.0; });
-}
 
 /// max |b - A x|_i / (|A| |x| + |b|)_i, and the residual, taken in twice the precision; NaN stays.
 double backward_error(const Eigen::SparseMatrix<double>& a, const Eigen::VectorXd& b, const Eigen::VectorXd& x,
@@ -41,31 +35,14 @@ double backward_error(const Eigen::SparseMatrix<double>& a, const Eigen::VectorX
 ThresholdPivoting::ThresholdPivoting(Eigen::SparseMatrix<double> matrix, RobustSolver::Fallback given)
     : matrix_(std::move(matrix)), given_(std::move(given)) {
   if (given_) return;
-  scale();
-  lu_.compute(row_scale_.asDiagonal() * matrix_ * column_scale_.asDiagonal());
+  scales_ = scales_of(matrix_);  // a pivot is chosen by size: without these by the units of its row
+  lu_.compute(scales_.applied_to(matrix_));
   regular_ = lu_.info() == Eigen::Success;
-}
-
-/// Ruiz 2001, "A scaling algorithm to equilibrate both rows and columns norms in matrices". A pivot is chosen by size:
-/// without this by the units of its row.
-void ThresholdPivoting::scale() {
-  row_scale_ = column_scale_ = Eigen::VectorXd::Ones(matrix_.rows());
-  for (int k = 0; k < equilibrations; ++k) {
-    Eigen::VectorXd row = Eigen::VectorXd::Zero(matrix_.rows()), column = row;
-    for (int j = 0; j < matrix_.outerSize(); ++j)
-      for (Eigen::SparseMatrix<double>::InnerIterator entry(matrix_, j); entry; ++entry) {
-        const double size = std::abs(row_scale_[entry.row()] * entry.value() * column_scale_[j]);
-        row[entry.row()] = std::max(row[entry.row()], size);
-        column[j] = std::max(column[j], size);
-      }
-    row_scale_ = row_scale_.cwiseProduct(half_way_to_one(row));
-    column_scale_ = column_scale_.cwiseProduct(half_way_to_one(column));
-  }
 }
 
 bool ThresholdPivoting::solve_once(const Eigen::VectorXd& b, Eigen::VectorXd& x) {
   if (!given_) {
-    x = column_scale_.cwiseProduct(lu_.solve(row_scale_.cwiseProduct(b)).eval());
+    x = scales_.column.cwiseProduct(lu_.solve(scales_.row.cwiseProduct(b)).eval());
     return true;
   }
   const auto n = static_cast<std::size_t>(b.size());

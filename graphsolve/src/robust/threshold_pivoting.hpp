@@ -5,11 +5,12 @@
 #include <string>
 
 #include "graphsolve/robust_solver.hpp"
+#include "robust/scales.hpp"
 
 namespace graphsolve {
 
 /// The last rung of RobustSolver: the matrix without its blocks, factored by Eigen::SparseLU after its rows and columns
-/// were scaled to largest entries near 1 by powers of two, or left to the given solver as it is; then refined.
+/// were scaled to largest entries near 1, or left to the given solver as it is; then refined.
 class ThresholdPivoting {
  public:
   /// `why` says what is wrong; empty: nothing, and x solves A x = b up to the componentwise backward error.
@@ -23,11 +24,10 @@ class ThresholdPivoting {
 
  private:
   bool solve_once(const Eigen::VectorXd& b, Eigen::VectorXd& x);
-  void scale();
 
   Eigen::SparseMatrix<double> matrix_;
   RobustSolver::Fallback given_;
-  Eigen::VectorXd row_scale_, column_scale_;
+  Scales scales_;
   Eigen::SparseLU<Eigen::SparseMatrix<double>> lu_;
   bool regular_ = true;
 };

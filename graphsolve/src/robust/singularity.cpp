@@ -1,0 +1,70 @@
+#include <stdexcept>
+
+#include "factorization/kept_matrix.hpp"
+#include "graphsolve/diagnosis.hpp"
+#include "robust/near_null.hpp"
+#include "robust/scales.hpp"
+
+namespace graphsolve {
+
+namespace {
+
+constexpr int middle_passes = 30;   ///< of the second look
+constexpr double rounding = 4e-16;  ///< per row, of the longest column
+constexpr double agrees = 2;        ///< what factors say of a vector and what the matrix does to it
+
+/// A matrix in units of its own, and what is asked of it.
+class Scaled {
+ public:
+  Scaled(const Eigen::SparseMatrix<double>& a, Scales scales) : scales_(std::move(scales)), matrix_(scales_.applied_to(a)) {
+    for (int j = 0; j < matrix_.cols(); ++j) column_ = std::max(column_, matrix_.col(j).norm());
+  }
+
+  [[nodiscard]] bool is_singular() const {
+    const NearNull found = near_null(matrix_);
+    return found.vector.size() == 0 || shortens_to_rounding(found.shortened - agrees * found.shift);
+  }
+  /// With factors of the matrix as it was. Those of another one, boosted ones or such that growth spoiled, betray themselves.
+  [[nodiscard]] bool is_singular(const Factorization& factors) const {
+    Eigen::VectorXd v = uneven_vector(matrix_.rows());
+    double lengthened = 0;
+    for (int sweep = 0; sweep < 2; ++sweep)
+      for (const bool transposed : {true, false}) {
+        v.normalize();
+        v = v.cwiseQuotient(transposed ? scales_.column : scales_.row);
+        const std::span<double> x(v.data(), static_cast<std::size_t>(v.size()));
+        transposed ? factors.solve_transposed(x) : factors.solve(x);
+        v = v.cwiseQuotient(transposed ? scales_.row : scales_.column);
+        lengthened = v.norm();
+      }
+    const double shortened = (matrix_ * v).norm() / lengthened;
+    if (shortens_to_rounding(shortened)) return true;
+    const bool credible = shortened * lengthened < agrees && agrees * shortened * lengthened > 1;
+    return !credible && is_singular();
+  }
+
+ private:
+  [[nodiscard]] bool shortens_to_rounding(double length) const {
+    return !(length > rounding * static_cast<double>(matrix_.rows()) * column_);
+  }
+
+  Scales scales_;
+  Eigen::SparseMatrix<double> matrix_;
+  double column_ = 0;
+};
+
+}  // namespace
+
+bool is_singular(const Factorization& f, const Factorization::Outcome& outcome) {
+  if (f.matrix().empty()) throw std::invalid_argument("is_singular: the factorization did not keep its matrix");
+  const Eigen::SparseMatrix<double> a = sparse_matrix(f.symbolic(), f.matrix());
+  if (!Eigen::Map<const Eigen::VectorXd>(a.valuePtr(), a.nonZeros()).allFinite()) return false;
+  const bool complete = outcome.ok() && outcome.dropped_rows == 0 && outcome.boosts == 0;
+  for (const int passes : {0, middle_passes}) {
+    const Scaled scaled(a, scales_of(a, passes));
+    if (!(complete ? scaled.is_singular(f) : scaled.is_singular())) return false;
+  }
+  return true;
+}
+
+}  // namespace graphsolve
