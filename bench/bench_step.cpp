@@ -1,5 +1,8 @@
 #include <benchmark/benchmark.h>
 
+#if __has_include(<malloc.h>)
+#include <malloc.h>
+#endif
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -13,12 +16,17 @@
 #include "physics/simulator.hpp"
 #include "unit.hpp"
 
+#if defined(__GLIBC__) && __GLIBC_PREREQ(2, 33)
+#define GRAPHSOLVE_KNOWS_ITS_HEAP
+#endif
+
 /// Time of a step: medians of thread CPU time, one thread, default settings, without the time of reading the clock. Setting up
 /// a simulator is not timed.
 /// Counters: us (median of a step), us_ref (the same where the unit takes 149 ns; compare this with the bars),
 /// mean_us_ref (of all steps, which counts the impacts that the median does not see), spread (from the 25th to the
-/// 75th percentile [us]), iterations (mean), us_it (time over iterations), failed steps. GRAPHSOLVE_SIMD=avx2 or plain shows
-/// machines without AVX-512.
+/// 75th percentile [us]), iterations (mean), us_it (time over iterations), failed steps; where the time went, in us per step
+/// here, of a run beside these with SimulatorSettings::time_phases: prepare, evaluate, factorize, solve, finish.
+/// GRAPHSOLVE_SIMD=avx2 or plain shows machines without AVX-512.
 namespace {
 
 using namespace physics;
@@ -75,6 +83,16 @@ void step(benchmark::State& state, const std::string& spec, int steps) {
     state.SetIterationTime(sum.time - before);
   }
   report(state, std::move(sum));
+  SimulatorSettings with_phases;
+  with_phases.time_phases = true;
+  Simulator timed(built_in_scene(spec), with_phases);
+  Measurement unused;
+  measure(timed, steps, unused);
+  const PhaseTimes& phases = timed.phase_times();
+  for (const auto& [phase, time] : {std::pair{"prepare", phases.prepare}, std::pair{"evaluate", phases.evaluate},
+                                    std::pair{"factorize", phases.factorize}, std::pair{"solve", phases.solve},
+                                    std::pair{"finish", phases.finish}})
+    state.counters[phase] = 1e6 * time / static_cast<double>(unused.steps.size());
 }
 
 /// The hard case: a snake that slides, in the middle of its way, at a thousandth of the time step and the paper's
@@ -173,6 +191,42 @@ void scaling(benchmark::State& state, const std::string& name, const std::string
   if (points.size() > 1) state.counters["slope"] = slope(points);
 }
 
+/// Spheres in a row, each on the floor by itself.
+Mechanism balls(int count) {
+  const Mechanism one = built_in_scene("spinning_sphere");
+  Mechanism scene = one;
+  scene.bodies.clear(), scene.contacts.clear();
+  for (int i = 0; i < count; ++i) {
+    Body body = one.bodies.front();
+    Contact contact = one.contacts.front();
+    body.name = "ball " + std::to_string(i);
+    body.position.y() = i;
+    contact.name = "floor " + std::to_string(i);
+    contact.body = scene.add(std::move(body));
+    scene.add(std::move(contact));
+  }
+  return scene;
+}
+
+#ifdef GRAPHSOLVE_KNOWS_ITS_HEAP
+/// Counter bytes_body: of the heap, per body with one contact, of a simulator that has taken a step; between 750 and 1500,
+/// where vectors that have grown by doubling are half empty. physics_tests counts the same and holds it.
+void memory(benchmark::State& state) {
+  const auto held = [](int count) {
+    const auto in_use = [] {
+      const auto heap = mallinfo2();
+      return static_cast<double>(heap.uordblks + heap.hblkhd);
+    };
+    const Mechanism scene = balls(count);
+    const double before = in_use();
+    Simulator simulator(scene);
+    (void)simulator.step();
+    return in_use() - before;
+  };
+  for (auto _ : state) state.counters["bytes_body"] = (held(1500) - held(750)) / 750;
+}
+#endif
+
 void add(const std::string& name, const std::string& spec, int steps) {
   benchmark::RegisterBenchmark(name.c_str(), [spec, steps](benchmark::State& state) { step(state, spec, steps); })
       ->UseManualTime()
@@ -196,6 +250,9 @@ int main(int argc, char** argv) {
   benchmark::RegisterBenchmark("step/snake n=100 sliding, dt 10 us, 1e-6", sliding_at_small_steps)
       ->UseManualTime()
       ->Unit(benchmark::kMillisecond);
+#ifdef GRAPHSOLVE_KNOWS_ITS_HEAP
+  benchmark::RegisterBenchmark("memory/balls", memory)->Iterations(1)->Unit(benchmark::kMillisecond);
+#endif
   for (const auto& [name, parameter, most] : {std::tuple{"snake", "n", 10'000}, std::tuple{"disc", "c", 10'000}}) {
     auto* sizes = benchmark::RegisterBenchmark((std::string("scaling/") + name).c_str(),
                                                [name = name, parameter = parameter](benchmark::State& state) {
