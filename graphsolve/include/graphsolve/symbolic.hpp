@@ -110,6 +110,8 @@ class Symbolic {
     [[nodiscard]] std::int64_t upper_scalars() const { return static_cast<std::int64_t>(dimension) * coupled_rows; }
   };
   [[nodiscard]] const Pivot& pivot(int k) const { return pivots_[k]; }
+  /// Where the blocks of each of its couplings begin, in scalars within the lower and within the upper panel.
+  [[nodiscard]] const std::int64_t* block_offsets(const Pivot& p) const { return block_offset_.data() + p.begin; }
   /// Offset of the block (coupling i, coupling j) at [i * p.target_stride + j].
   [[nodiscard]] const std::int64_t* targets(const Pivot& p) const { return targets_.data() + p.targets; }
   /// The same elimination, equal pivots of one level side by side (src/simd/program.hpp).
@@ -129,15 +131,13 @@ class Symbolic {
   std::vector<int> position_, component_of_, component_begin_;
   std::vector<int> coupled_;
   std::vector<char> fill_;
-  std::vector<std::int64_t> block_offset_;  ///< in scalars within the lower and within the upper panel, per coupling
+  std::vector<std::int64_t> block_offset_;  ///< per coupling, see block_offsets
   std::vector<std::int64_t> targets_;
   std::int64_t values_size_ = 0;
   int rows_ = 0;
   Packs packs_;
   Counts counts_;
   std::shared_ptr<const simd::Program> program_;
-
-  friend class Factorization;
 };
 
 }  // namespace graphsolve

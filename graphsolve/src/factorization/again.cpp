@@ -4,7 +4,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "factorization/active.hpp"
+#include "factorization/given.hpp"
+#include "factorization/impl.hpp"
 
 /// Factoring again where only some nodes changed.
 namespace graphsolve {
@@ -50,11 +51,11 @@ void Factorization::Impl::collect_redone(std::span<const NodeId> changed) {
 
 void Factorization::Impl::restore(int k) {
   if (symmetric()) mirror_matrix(k);
-  each_given(k, [&](std::int64_t at) {
+  each_given(symbolic_->pivot(k), symmetric(), [&](std::int64_t at) {
     values_[at] = matrix_[at];
     largest_entry_ = std::max(largest_entry_, std::abs(matrix_[at]));
   });
-  if (symmetric() || tracks_reference(k)) start_reference(k);
+  if (symmetric() || references_.track(k)) references_.start(k, values_.data());
 }
 
 /// What the redone pivots had added to the outcome is taken out of it.

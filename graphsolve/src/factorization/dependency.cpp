@@ -21,8 +21,8 @@ bool Factorization::Impl::couples_later(int k, const PivotBlocks& blocks) {
   const double* a = blocks.diagonal;
   const double* column = blocks.upper;
   double* x = work_.data() + 2 * d * d;
-  for (int e = p.begin; e < p.end; ++e) {
-    const Symbolic::Pivot& later = s.pivot(s.coupled_[e]);
+  for (const int coupled : s.coupled(k)) {
+    const Symbolic::Pivot& later = s.pivot(coupled);
     for (int c = 0; c < later.dimension; ++c, column += d) {
       double largest = 0;
       for (int i = 0; i < d; ++i) largest = std::max(largest, std::abs(x[i] = column[i]));
@@ -32,7 +32,7 @@ bool Factorization::Impl::couples_later(int k, const PivotBlocks& blocks) {
       const double own = later.saddle ? std::abs(values_[later.diagonal + c * (later.dimension + 1) * later.stride]) : 0;
       for (int i = rank_[k]; i < d; ++i) {
         const int original = original_row(k, i);
-        const double made_of = std::max(panel_reference(k, original), std::sqrt(reference(k, original) * own));
+        const double made_of = std::max(references_.panel(k, original), std::sqrt(references_.own(k, original) * own));
         if (std::abs(x[i]) > 1e-8 * largest && std::abs(x[i]) > 1e-11 * made_of) return true;
       }
     }
@@ -70,8 +70,8 @@ void Factorization::Impl::dependency(const DroppedRow& dropped, std::span<double
     double* yj = y.data() + pj.row;
     const auto [diagonal, lower_panel, upper_panel] = factor_of(j, buffer);
     const double* lower = lower_panel;
-    for (int e = pj.begin; e < pj.end; ++e) {
-      const Symbolic::Pivot& pi = s.pivot(s.coupled_[e]);
+    for (const int i : s.coupled(j)) {
+      const Symbolic::Pivot& pi = s.pivot(i);
       kernels::subtract_transposed_times_vector(yj, lower, y.data() + pi.row, pi.dimension, pj.dimension);
       lower += pi.dimension * pj.dimension;
     }

@@ -20,7 +20,7 @@ void Factorization::Impl::update_member(int begin, int k, const double* l, int d
     for (int c = 0; c < d; ++c)
       std::copy_n(v + s.pivot(r).upper + ((k - r - 1) * d + c) * d, d, w + c * known + (r - begin) * d);
   const auto product = kernels_->product(d);
-  const bool watch = tracks_reference(k);
+  const bool watch = references_.track(k);
   double* own = v + p.diagonal;
   for (int r = begin; r < k; ++r) {
     if (watch) remember_diagonal(own, d);
@@ -39,19 +39,19 @@ void Factorization::Impl::update_after(int begin, int size, const double* l, con
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& last = s.pivot(begin + size - 1);
   const int d = last.dimension, depth = size * d, m = last.end - last.begin;
-  const int* coupled = s.coupled_.data() + last.begin;
+  const std::span<const int> coupled = s.coupled(begin + size - 1);
   const auto row = kernels_->rows_of_blocks[d - 1];
   double* v = values_.data();
   for (int i = 0; i < m; ++i, l += depth * d) {
     const std::int64_t* target = s.targets(last) + static_cast<std::int64_t>(i) * last.target_stride;
     const int end = symmetric() ? i + 1 : m;
-    if (!tracks_reference(coupled[i])) {
+    if (!references_.track(coupled[i])) {
       row(v, target, l, spread_w, depth, 0, end);
       continue;
     }
     row(v, target, l, spread_w, depth, 0, i);
     if (i + 1 < end) row(v, target, l, spread_w, depth, i + 1, end);
-    kernels_->watched_blocks[d - 1](v + target[i], &reference(coupled[i], 0), l, spread_w, depth, d, i);
+    kernels_->watched_blocks[d - 1](v + target[i], &references_.own(coupled[i], 0), l, spread_w, depth, d, i);
   }
 }
 

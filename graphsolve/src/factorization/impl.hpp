@@ -10,14 +10,18 @@
 #include "graphsolve/aligned.hpp"
 #include "graphsolve/factorization.hpp"
 #include "factorization/kernels.hpp"
+#include "factorization/participants.hpp"
+#include "factorization/references.hpp"
+#include "factorization/refiner.hpp"
 #include "factorization/side.hpp"
 #include "simd/pivot_kernels.hpp"
 
 namespace graphsolve {
 
-/// What a factorization is made of, from room.cpp, which sets memory aside, over zero.cpp and reference.cpp, before the first
-/// pivot, to steps.cpp, which goes along the program: packs, and pivots by themselves (pivots.cpp, symmetric.cpp, update.cpp,
-/// group.cpp; again.cpp for some of them once more). Then solve.cpp, refine.cpp, dependency.cpp.
+/// What a factorization is made of, from room.cpp, which sets memory aside, over zero.cpp, before the first pivot, to
+/// steps.cpp, which goes along the program: packs, and pivots by themselves (pivots.cpp, symmetric.cpp, update.cpp, group.cpp;
+/// again.cpp for some of them once more). Then solve.cpp, dependency.cpp. Who takes part, what pivots are compared with, and
+/// refinement are objects of their own.
 class Factorization::Impl {
  public:
   Impl(std::shared_ptr<const Symbolic> symbolic, FactorizationKind kind);
@@ -32,7 +36,10 @@ class Factorization::Impl {
   void allow_refinement();
   void keep_matrix(bool keep) { keep_matrix_ = keep; }
   [[nodiscard]] std::span<const double> matrix() const { return matrix_; }
-  void set_saddle_shift(double relative) { saddle_shift_ = relative; }
+  void set_saddle_shift(double relative) {
+    saddle_shift_ = relative;
+    references_.set_shifted(relative != 0);
+  }
   [[nodiscard]] double saddle_shift() const { return saddle_shift_; }
   [[nodiscard]] Outcome factorize();
   std::span<const Outcome> factorize(std::span<const int> components);
@@ -48,45 +55,23 @@ class Factorization::Impl {
   void solve(std::span<double> x, int columns) const;
   void solve_transposed(std::span<double> x, int columns) const;
   Refinement refine(std::span<const double> b, std::span<double> x, int max_sweeps);
-  Refinement refine(std::span<const double> b, std::span<double> x, std::span<const int> components, int max_sweeps);
+  Refinement refine(std::span<const double> b, std::span<double> x, std::span<const int> components, int max_sweeps) {
+    return refine(b, x, components, max_sweeps, Side::plain);
+  }
   Refinement refine_transposed(std::span<const double> b, std::span<double> x, int max_sweeps);
   [[nodiscard]] std::span<const DroppedRow> dropped_rows() const { return dropped_; }
   void dependency(const DroppedRow& dropped, std::span<double> y) const;
 
  private:
   [[nodiscard]] bool symmetric() const { return kind_ != FactorizationKind::ldu; }
-  [[nodiscard]] bool tracks_reference(int k) const;
-  [[nodiscard]] bool starts_with_reference(int k) const;
   /// Of one solve: the vector at work, in lanes where there are packs, and the user's, which gets the result.
   struct Vectors {
     double *x, *result;
   };
   enum class Count { each, together };  ///< by component, or all in the first outcome
-  // Which components take part.
-  void set_active(std::span<const int> components) const;
-  void set_all_active() const;
-  [[nodiscard]] bool takes_part(int pivot) const;
-  template <class F>
-  void each_active_pivot(F&& f) const;
-  template <class F>
-  void each_given(int k, F&& f) const;
-  template <class Whole, class OfPivot>
-  void each_extent(Whole&& whole, OfPivot&& of_pivot) const;
   // Before the elimination.
   void make_room_for_packs();
   void keep();
-  void find_referenced();
-  void prepare();
-  void start_reference(int k);
-  void start_references(const simd::PivotPack& pack, unsigned active);
-  [[nodiscard]] std::size_t reference_place(int k, int row) const;
-  [[nodiscard]] double& reference(int k, int row) { return reference_[reference_place(k, row)]; }
-  [[nodiscard]] double& panel_reference(int k, int row) { return panel_reference_[reference_place(k, row)]; }
-  [[nodiscard]] const double* references(int k, double* buffer) const;
-  void start_panel_reference(int k);
-  void start_panel_references(const simd::PivotPack& pack);
-  template <int Lanes>
-  void start_panel_references_of(const simd::PivotPack& pack);
   // One pivot by itself.
   struct PivotBlocks {
     double *diagonal, *lower, *upper;
@@ -140,7 +125,6 @@ class Factorization::Impl {
   void start_all();
   [[nodiscard]] Outcome finish_all();
   void factorize_active(Count count, const Vectors* right = nullptr);
-  void leave_out(int component);
   void eliminate_together(int number, unsigned active, Outcome* all, const simd::PackNumbers& numbers);
   [[nodiscard]] unsigned eliminate_pack(int number, const simd::PackJob& job) const;
   void eliminate_lanes(int number, unsigned active, unsigned other, Outcome* all, const simd::PackNumbers& numbers);
@@ -165,24 +149,11 @@ class Factorization::Impl {
   void solve_backward(int k, double* x, int columns) const;
   void solve_forward_transposed(int k, double* x) const;
   void solve_backward_transposed(int k, double* x) const;
-  template <class Together, class Alone>
-  void walk(bool backward, Together&& together, Alone&& alone) const;
   void check_size(std::span<const double> x, int columns) const;
   void check_room() const;
   void check_factored(std::span<const int> components) const;
-  void check_components(std::span<const int> components) const;
-  enum class Precision { plain, twice };
-  void start_residual(std::span<const double> b, int component);
-  template <class F>
-  void each_kept_block(int k, F&& take) const;
-  void finish_residual(int component);
-  void residual(std::span<const double> b, std::span<const double> x);
-  void residual_transposed(std::span<const double> b, std::span<const double> x);
-  void residual_twice(std::span<const double> b, std::span<const double> x, int component, Side side);
   Refinement refine(std::span<const double> b, std::span<double> x, std::span<const int> components, int max_sweeps,
                     Side side);
-  template <class F>
-  void each_row(int component, F&& f) const;
 
   std::shared_ptr<const Symbolic> symbolic_;
   FactorizationKind kind_;
@@ -190,6 +161,9 @@ class Factorization::Impl {
   const kernels::Table* kernels_;
   const simd::Eliminations* eliminations_;
   const simd::Solves* solves_;
+  mutable Participants taking_part_;
+  References references_;
+  Refiner refiner_;
   AlignedVector values_, matrix_;
   std::vector<int> row_exchange_;     ///< per row in pivot order: the row that took this place in its block
   std::vector<int> column_exchange_;  ///< same for columns, where the rank is not full; empty where it always is
@@ -198,12 +172,6 @@ class Factorization::Impl {
   enum class Halved : char { no, yes, and_spread };
   std::vector<Halved> halved_;        ///< per pivot of a symmetric kind that went by itself
   std::vector<int> first_row_;        ///< per pivot: first row in pivot order
-  std::vector<int> referenced_;       ///< steps of the program whose pivots start_with_reference, ascending
-  AlignedVector reference_;           ///< where anything is compared with it, per row, in lanes: largest amount, signed,
-                                      ///< added to a saddle diagonal;
-                                      ///< in the symmetric kinds |diagonal of the matrix| for other nodes
-  AlignedVector panel_reference_;     ///< where dependence is looked for, likewise: largest entry of the row right of the
-                                      ///< block
   std::vector<double> work_;          ///< two of the largest block and 3 of its rows; solving needs none of it
   std::vector<double> opened_, target_;  ///< blocks of one pivot, and one that it changes, where they lie interleaved
   std::vector<char> equal_;           ///< per pivot: equal_couplings
@@ -211,7 +179,6 @@ class Factorization::Impl {
   std::vector<char> scattered_;       ///< per pivot: may blocks that it changes lie interleaved with others?
   std::vector<char> among_single_;    ///< per pivot: do it and all that it changes go by themselves?
   AlignedVector spread_;              ///< for the update of equal couplings
-  std::vector<double> residual_, residual_low_, magnitude_, best_;
   std::vector<DroppedRow> dropped_;
   // For refactorize().
   struct Share {
@@ -235,13 +202,6 @@ class Factorization::Impl {
   std::vector<Range> zeroed_;           ///< of the values, ascending; empty: all of them
   std::vector<int> zeroed_begin_;       ///< by group of the program, into zeroed_
   std::vector<Outcome> outcomes_;       ///< by component, of the last factorization
-  mutable std::vector<int> active_;     ///< components that take part in this call
-  mutable std::vector<std::uint8_t> lanes_;  ///< by group of the program: lanes that do; bit 0 for a component alone
-  std::vector<int> everything_, refined_;    ///< all components; those that refine() still improves
-  std::vector<double> error_, least_error_;  ///< by component, of refine(): after a sweep, and the least so far
-  std::vector<Precision> precision_;
-  std::vector<int> in_vain_;                 ///< sweeps in a row
-  mutable std::vector<char> named_;          ///< by component: while a list of them is checked
   bool keep_matrix_ = false, begun_ = false;
   bool copied_ = false, whole_copy_ = false;  ///< by the last factorization; and that it holds all components
   double largest_entry_ = 0;          ///< of the kept part of the matrix

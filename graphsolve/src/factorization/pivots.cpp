@@ -4,7 +4,8 @@
 #include <string>
 
 #include "symbolic/equal_couplings.hpp"
-#include "factorization/active.hpp"
+#include "factorization/given.hpp"
+#include "factorization/impl.hpp"
 #include "factorization/kernels.hpp"
 #include "symbolic/operations.hpp"
 #include "factorization/rank_revealing.hpp"
@@ -25,7 +26,7 @@ void Factorization::Impl::start_all() {
   begun_ = true;
   copied_ = whole_copy_ = keep_matrix_;
   dropped_.clear();
-  set_all_active();
+  taking_part_.set(taking_part_.everybody());
   std::fill(outcomes_.begin(), outcomes_.end(), Outcome{});
 }
 
@@ -55,12 +56,12 @@ std::span<const Factorization::Outcome> Factorization::Impl::factorize(std::span
 
 void Factorization::Impl::start(std::span<const int> components) {
   check_room();
-  check_components(components);
+  taking_part_.check(components);
   begun_ = true;
   copied_ = keep_matrix_;
   whole_copy_ &= keep_matrix_;
   const Symbolic& s = *symbolic_;
-  set_active(components);
+  taking_part_.set(components);
   if (!dropped_.empty())
     std::erase_if(dropped_, [&](const DroppedRow& d) { return std::ranges::find(components, s.component(d.node)) != components.end(); });
   for (const int c : components) outcomes_[c] = {};
@@ -80,13 +81,14 @@ void Factorization::Impl::keep() {
     matrix_[at] = values_[at];
     largest = std::max(largest, std::abs(values_[at]));
   };
-  each_extent(
+  taking_part_.each_extent(
+      symmetric(),
       [&](std::size_t, std::int64_t begin, std::int64_t end) {
         for (auto i = begin; i < end; ++i) copy(i);
       },
-      [&](int k) { each_given(k, copy); });
+      [&](int k) { each_given(symbolic_->pivot(k), symmetric(), copy); });
   largest_entry_ = largest;
-  if (symmetric()) each_active_pivot([&](int k) { mirror_matrix(k); });
+  if (symmetric()) taking_part_.each_pivot([&](int k) { mirror_matrix(k); });
 }
 
 /// Largest entry of the blocks of a pivot, which no other pivot changes any more.
@@ -164,6 +166,16 @@ void Factorization::Impl::drop_rows(int k, Outcome& outcome) {
   for (int m = rank_[k]; m < p.dimension; ++m) dropped_.push_back({p.node, original_row(k, m)});
 }
 
+void Factorization::Impl::shift_pivot(int k, double* diagonal) {
+  const Symbolic::Pivot& p = symbolic_->pivot(k);
+  const bool tracked = references_.track(k);
+  for (int i = 0; i < p.dimension; ++i) {
+    double& entry = diagonal[i * (p.dimension + 1)];
+    // Where nothing may depend, all that was added has one sign, and the diagonal is its sum.
+    entry += saddle_shift_ * (tracked ? references_.own(k, i) : entry);
+  }
+}
+
 bool Factorization::Impl::factorize_pivot(int k, const PivotBlocks& blocks, Outcome& outcome) {
   if (share_.empty()) return factorize_one(k, blocks, outcome);
   const Outcome before = outcome;
@@ -179,9 +191,9 @@ bool Factorization::Impl::factorize_pivot(int k, const PivotBlocks& blocks, Outc
 bool Factorization::Impl::factorize_one(int k, const PivotBlocks& blocks, Outcome& outcome) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   if (p.saddle && saddle_shift_ != 0 && kind_ != FactorizationKind::cholesky) shift_pivot(k, blocks.diagonal);
-  if (symmetric() && !starts_with_reference(k)) start_reference(k);
-  if (tracks_reference(k))
-    for (int i = 0; i < p.dimension; ++i) reference(k, i) = std::abs(reference(k, i));
+  if (symmetric() && !references_.start_with(k)) references_.start(k, values_.data());
+  if (references_.track(k))
+    for (int i = 0; i < p.dimension; ++i) references_.own(k, i) = std::abs(references_.own(k, i));
   rank_[k] = p.dimension;
   const bool regular = symmetric() ? factorize_pivot_symmetric(k, blocks, outcome) : factorize_pivot_any(k, blocks, outcome);
   if (!regular) outcome.first_bad_pivot = k;
@@ -199,7 +211,7 @@ bool Factorization::Impl::factorize_pivot_any(int k, const PivotBlocks& blocks, 
   const double smallest = kernels_->factor(d)(diagonal, row_exchange_.data() + row, d);
   outcome.operations += lu_operations(d);
   double buffer[simd::largest_dimension];
-  const double* reference = look_for_dependence ? references(k, buffer) : nullptr;
+  const double* reference = look_for_dependence ? references_.side_by_side(k, buffer) : nullptr;
   if (look_for_dependence && !std::isnan(smallest) && !(smallest > dependent * *std::max_element(reference, reference + d))) {
     std::copy_n(work_.data(), d * d, diagonal);
     rank_[k] = factor_rank_revealing(diagonal, d, reference, dependent, row_exchange_.data() + row,

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -11,10 +10,19 @@
 /// What a factorization sets aside before the first number comes.
 namespace graphsolve {
 
+namespace {
+
+std::shared_ptr<const Symbolic> checked(std::shared_ptr<const Symbolic> symbolic) {
+  if (!symbolic) throw std::invalid_argument("a factorization needs a symbolic one, not a null pointer");
+  return symbolic;
+}
+
+}  // namespace
+
 Factorization::Impl::Impl(std::shared_ptr<const Symbolic> symbolic, FactorizationKind kind)
-    : symbolic_(std::move(symbolic)), kind_(kind), kernels_(&kernels::table()),
-      eliminations_(&simd::eliminations()), solves_(&simd::solves()) {
-  if (!symbolic_) throw std::invalid_argument("a factorization needs a symbolic one, not a null pointer");
+    : symbolic_(checked(std::move(symbolic))), kind_(kind), kernels_(&kernels::table()),
+      eliminations_(&simd::eliminations()), solves_(&simd::solves()), taking_part_(*symbolic_), references_(*symbolic_, kind),
+      refiner_(*symbolic_, *solves_) {
   const Symbolic& s = *symbolic_;
   values_.assign(s.values_size(), 0.0);
   row_exchange_.assign(s.rows(), 0);
@@ -47,26 +55,17 @@ Factorization::Impl::Impl(std::shared_ptr<const Symbolic> symbolic, Factorizatio
     row += s.dimension(k);
     largest = std::max(largest, s.dimension(k));
   }
-  find_referenced();
   dropped_.reserve(uncertain_rows);
-  const int lane_rows = s.packs() == Packs::on ? s.program().lane_rows() : s.rows();
-  if (uncertain_rows > 0 || symmetric()) reference_.assign(lane_rows, 0.0);
-  if (uncertain_rows > 0) panel_reference_.assign(lane_rows, 0.0);
   if (uncertain_rows > 0 || symmetric()) column_exchange_.assign(s.rows(), 0);
   work_.assign(2 * largest * largest + 3 * largest, 0.0);
   spread_.assign(spread, 0.0);
   outcomes_.resize(s.components());
-  everything_.resize(s.components());
-  std::iota(everything_.begin(), everything_.end(), 0);
-  named_.assign(s.components(), false);
-  active_.reserve(s.components());
   make_room_for_packs();
 }
 
 void Factorization::Impl::make_room_for_packs() {
   const Symbolic& s = *symbolic_;
   const simd::Program& program = s.program();
-  lanes_.assign(program.groups().size(), 0);
   packed_.assign(program.packs(), 0);
   if (s.packs() == Packs::on) lane_rows_.assign(program.lane_rows(), 0.0);
   if (program.packs() == 0) return;
@@ -86,16 +85,11 @@ void Factorization::Impl::make_room_for_packs() {
   target_.assign(static_cast<std::size_t>(block) * block, 0.0);
 }
 
-/// What is as large as the matrix or its rows is only set aside: pages that nobody touches cost no memory, and most solves
-/// are never refined.
+/// What is as large as the matrix is only set aside: pages that nobody touches cost no memory, and most solves are never
+/// refined.
 void Factorization::Impl::allow_refinement() {
   matrix_.reserve(values_.size());
-  for (auto* v : {&residual_, &residual_low_, &magnitude_, &best_}) v->reserve(symbolic_->rows());
-  error_.assign(symbolic_->components(), 0.0);
-  least_error_.assign(symbolic_->components(), 0.0);
-  precision_.assign(symbolic_->components(), Precision::plain);
-  in_vain_.assign(symbolic_->components(), 0);
-  refined_.reserve(symbolic_->components());
+  refiner_.reserve();
 }
 
 }  // namespace graphsolve

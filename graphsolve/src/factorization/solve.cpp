@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "factorization/active.hpp"
+#include "factorization/impl.hpp"
 #include "factorization/kernels.hpp"
 #include "factorization/rank_revealing.hpp"
 #include "simd/pivot_kernels.hpp"
@@ -46,17 +46,6 @@ void Factorization::Impl::check_size(std::span<const double> x, int columns) con
                               std::to_string(symbolic_->rows()) + " rows x " + std::to_string(columns) + " columns");
 }
 
-void Factorization::Impl::check_components(std::span<const int> components) const {
-  for (const int c : components)
-    if (c < 0 || c >= symbolic_->components())
-      throw std::invalid_argument("there is no component " + std::to_string(c) + ", but 0 to " +
-                                  std::to_string(symbolic_->components() - 1));
-  const auto twice = std::ranges::find_if(components, [&](int c) { return std::exchange(named_[c], true); });
-  for (const int c : components) named_[c] = false;
-  if (twice != components.end())
-    throw std::invalid_argument("component " + std::to_string(*twice) + " is named twice");
-}
-
 void Factorization::Impl::solve_diagonal(int k, const double* diagonal, double* x, int columns, std::ptrdiff_t stride) const {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const int row = first_row_[k];
@@ -78,8 +67,8 @@ void Factorization::Impl::check_factored(std::span<const int> components) const 
 
 void Factorization::Impl::solve(std::span<double> x, int columns) const {
   check_size(x, columns);
-  check_factored(everything_);
-  set_all_active();
+  check_factored(taking_part_.everybody());
+  taking_part_.set(taking_part_.everybody());
   const int rows = symbolic_->rows(), some = symbolic_->packs() == Packs::on ? 1 : columns_at_once;
   for (int c = 0; c < columns; c += some)
     solve_active(x.data() + static_cast<std::ptrdiff_t>(c) * rows, std::min(some, columns - c));
@@ -87,9 +76,9 @@ void Factorization::Impl::solve(std::span<double> x, int columns) const {
 
 void Factorization::Impl::solve_components(std::span<double> x, std::span<const int> components) const {
   check_size(x, 1);
-  check_components(components);
+  taking_part_.check(components);
   check_factored(components);
-  set_active(components);
+  taking_part_.set(components);
   solve_active(x.data(), 1);
 }
 
@@ -211,7 +200,7 @@ auto Factorization::Impl::enter(double* x) const -> Vectors {
   double* lanes = lane_rows_.data();
   const auto groups = program.groups();
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    if (lanes_[g] == 0) continue;
+    if (taking_part_.lanes(g) == 0) continue;
     simd::to_lanes(program, program.steps(groups[g]), x, lanes);
     for (const auto& step : program.steps(groups[g]))
       if (step.pack < 0)
@@ -239,13 +228,13 @@ void Factorization::Impl::backward(const Vectors& v, int columns) const {
     solve_backward(k, v.x, columns);
     leave(k, v);
   };
-  walk(true, [&](int pack, unsigned active) { solve_pack(pack, active, v, kernels, alone); }, alone);
+  taking_part_.walk(true, [&](int pack, unsigned active) { solve_pack(pack, active, v, kernels, alone); }, alone);
 }
 
 /// Several columns only without packs.
 void Factorization::Impl::solve_active(double* x, int columns) const {
   const Vectors v = enter(x);
-  walk(false, [&](int pack, unsigned active) { forward_pack(pack, active, v); }, [&](int k) { solve_forward(k, v.x, columns); });
+  taking_part_.walk(false, [&](int pack, unsigned active) { forward_pack(pack, active, v); }, [&](int k) { solve_forward(k, v.x, columns); });
   backward(v, columns);
 }
 
@@ -271,8 +260,8 @@ std::span<const Factorization::Outcome> Factorization::Impl::factorize_and_solve
 void Factorization::Impl::solve_transposed(std::span<double> x, int columns) const {
   if (symmetric()) return solve(x, columns);
   check_size(x, columns);
-  check_factored(everything_);
-  set_all_active();
+  check_factored(taking_part_.everybody());
+  taking_part_.set(taking_part_.everybody());
   for (int c = 0; c < columns; ++c) solve_transposed_active(x.data() + static_cast<std::ptrdiff_t>(c) * symbolic_->rows());
 }
 
@@ -284,8 +273,29 @@ void Factorization::Impl::solve_transposed_active(double* x) const {
     solve_backward_transposed(k, v.x);
     leave(k, v);
   };
-  walk(false, [&](int pack, unsigned active) { solve_pack(pack, active, v, solves_->forward_transposed, forward); }, forward);
-  walk(true, [&](int pack, unsigned active) { solve_pack(pack, active, v, solves_->backward_transposed, backward); }, backward);
+  taking_part_.walk(false, [&](int pack, unsigned active) { solve_pack(pack, active, v, solves_->forward_transposed, forward); }, forward);
+  taking_part_.walk(true, [&](int pack, unsigned active) { solve_pack(pack, active, v, solves_->backward_transposed, backward); }, backward);
+}
+
+Factorization::Refinement Factorization::Impl::refine(std::span<const double> b, std::span<double> x, int max_sweeps) {
+  return refine(b, x, taking_part_.everybody(), max_sweeps, Side::plain);
+}
+
+/// The symmetric kinds keep both triangles, which are equal.
+Factorization::Refinement Factorization::Impl::refine_transposed(std::span<const double> b, std::span<double> x, int max_sweeps) {
+  return refine(b, x, taking_part_.everybody(), max_sweeps, symmetric() ? Side::plain : Side::transposed);
+}
+
+Factorization::Refinement Factorization::Impl::refine(std::span<const double> b, std::span<double> x,
+                                                      std::span<const int> components, int max_sweeps, Side side) {
+  if (!copied_) throw std::logic_error("refine: allow_refinement() and keep_matrix(true) come before factorize()");
+  check_size(b, 1);
+  check_size(x, 1);
+  taking_part_.check(components);
+  check_factored(components);
+  return refiner_.refine(matrix_.data(), side, b, x, components, max_sweeps, taking_part_, [this, side](double* r) {
+    side == Side::plain ? solve_active(r, 1) : solve_transposed_active(r);
+  });
 }
 
 }  // namespace graphsolve

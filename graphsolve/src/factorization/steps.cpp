@@ -3,29 +3,11 @@
 #include <cmath>
 #include <utility>
 
-#include "factorization/active.hpp"
+#include "factorization/impl.hpp"
 #include "simd/pivot_kernels.hpp"
 
 /// Elimination along the program: up to eight equal pivots at a time.
 namespace graphsolve {
-
-void Factorization::Impl::set_active(std::span<const int> components) const {
-  const simd::Program& program = symbolic_->program();
-  active_.assign(components.begin(), components.end());
-  std::fill(lanes_.begin(), lanes_.end(), std::uint8_t{0});
-  for (const int c : components) {
-    std::uint8_t& lanes = lanes_[program.group_of(c)];
-    lanes = static_cast<std::uint8_t>(lanes | program.copy_bit(c));
-  }
-}
-
-void Factorization::Impl::set_all_active() const { set_active(everything_); }
-
-bool Factorization::Impl::takes_part(int pivot) const {
-  const simd::Program& program = symbolic_->program();
-  const int c = symbolic_->component(symbolic_->node(pivot));
-  return (lanes_[program.group_of(c)] & program.copy_bit(c)) != 0;
-}
 
 /// What refactorize() applies again it applies pivot by pivot. The shift of a symmetric matrix is measured at every
 /// saddle block while it is updated.
@@ -34,44 +16,38 @@ bool Factorization::Impl::in_packs() const {
 }
 
 void Factorization::Impl::alone_if_active(int k) {
-  if (!takes_part(k)) return;
+  if (!taking_part_.include(k)) return;
   const int c = symbolic_->component(symbolic_->node(k));
   eliminate_from(k, outcomes_[c]);
-  if (!outcomes_[c].ok()) leave_out(c);
-}
-
-/// From here on, in this call.
-void Factorization::Impl::leave_out(int component) {
-  const simd::Program& program = symbolic_->program();
-  std::uint8_t& lanes = lanes_[program.group_of(component)];
-  lanes = static_cast<std::uint8_t>(lanes & ~program.copy_bit(component));
+  if (!outcomes_[c].ok()) taking_part_.leave_out(c);
 }
 
 /// Outcomes by component, or what packs do all in the first. A component that has failed takes no further part. right: where
 /// given, goes through the forward half of its solve on the way.
 void Factorization::Impl::factorize_active(Count count, const Vectors* right) {
   const Symbolic& s = *symbolic_;
-  prepare();
+  if (keep_matrix_) keep();
+  references_.start(taking_part_, values_.data());
   // A component by itself owns every lane: finding it by pivot, node and group was most of the time of counting.
   Outcome* const all = count == Count::together && !keep_matrix_ ? outcomes_.data()
-                       : active_.size() == 1                     ? &outcomes_[active_.front()]
+                       : taking_part_.components().size() == 1   ? &outcomes_[taking_part_.components().front()]
                                                                  : nullptr;
   const simd::PackNumbers numbers{.values = values_.data(),
                                   .scratch = scratch_.data(),
-                                  .reference = reference_.data(),
+                                  .reference = references_.in_lanes(),
                                   .saddle_shift = kind_ == FactorizationKind::cholesky ? 0.0 : saddle_shift_};
   const auto forward = [&](int k) { solve_forward(k, right->x, 1); };
   if (!in_packs()) {  // in the order of the pivots, as refactorize() goes
-    for (const int c : active_) {
+    for (const int c : taking_part_.components()) {
       for (int k = s.component_begin(c); k < s.component_begin(c + 1) && outcomes_[c].ok(); ++k) {
         eliminate_from(k, outcomes_[c]);
         if (right != nullptr && outcomes_[c].ok()) forward(k);
       }
-      if (!outcomes_[c].ok()) leave_out(c);
+      if (!outcomes_[c].ok()) taking_part_.leave_out(c);
     }
     return;
   }
-  walk(
+  taking_part_.walk(
       false,
       [&](int pack, unsigned lanes) {
         eliminate_together(pack, lanes, all, numbers);
@@ -79,7 +55,7 @@ void Factorization::Impl::factorize_active(Count count, const Vectors* right) {
       },
       [&](int k) {
         alone_if_active(k);
-        if (right != nullptr && takes_part(k)) forward(k);
+        if (right != nullptr && taking_part_.include(k)) forward(k);
       });
 }
 

@@ -69,8 +69,8 @@ void Factorization::Impl::transpose_panel(int k, const PivotBlocks& blocks) cons
   const double* lower = blocks.lower;
   double* upper = blocks.upper;
   if (equal_[k] == d && d <= kernels::max_spread) return kernels_->transposes[d - 1](lower, upper, p.end - p.begin);
-  for (int e = p.begin; e < p.end; ++e) {
-    const int di = s.pivot(s.coupled_[e]).dimension;
+  for (const int coupled : s.coupled(k)) {
+    const int di = s.pivot(coupled).dimension;
     if (d == 3 && di == 3) transpose<3, 3>(lower, upper);
     else if (d == 6 && di == 3) transpose<3, 6>(lower, upper);
     else if (d == 3 && di == 6) transpose<6, 3>(lower, upper);
@@ -107,7 +107,7 @@ void Factorization::Impl::mirror_matrix(int k) {
 simd::Definite Factorization::Impl::definite(int k) const {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const bool cholesky = kind_ == FactorizationKind::cholesky;
-  const auto compared = starts_with_reference(k)   ? simd::Compared::with_reference
+  const auto compared = references_.start_with(k)   ? simd::Compared::with_reference
                         : p.saddle && !cholesky    ? simd::Compared::with_nothing
                                                    : simd::Compared::with_own;
   if (cholesky) return {.sign = 1, .smallest = not_positive, .compared = compared};
@@ -126,7 +126,7 @@ bool Factorization::Impl::factorize_pivot_symmetric(int k, const PivotBlocks& bl
   if (may_be_spoilt) std::copy_n(diagonal, d * d, work_.data());
   outcome.operations += ldlt_operations(d);
   double buffer[simd::largest_dimension];
-  const bool halved = kernels_->factor_definite(d)(diagonal, references(k, buffer), sign, smallest, d);
+  const bool halved = kernels_->factor_definite(d)(diagonal, references_.side_by_side(k, buffer), sign, smallest, d);
   halved_[k] = halved ? Halved::yes : Halved::no;
   if (halved) {
     (sign < 0 ? outcome.inertia.negative : outcome.inertia.positive) += d;
@@ -145,7 +145,7 @@ bool Factorization::Impl::factorize_pivot_indefinite(int k, const PivotBlocks& b
   for (int j = 0; j < d; ++j)
     for (int i = j + 1; i < d; ++i) diagonal[i * d + j] = diagonal[j * d + i];
   for (int i = 0; i < d; ++i) {
-    size[i] = reference(k, i);
+    size[i] = references_.own(k, i);
     for (int j = 0; j < d; ++j) {
       if (!std::isfinite(diagonal[j * d + i])) return false;
       size[i] = std::max(size[i], std::abs(diagonal[j * d + i]));
@@ -183,7 +183,7 @@ bool Factorization::Impl::boost(int k, const PivotBlocks& blocks, double* block)
   const double* upper = blocks.upper;
   for (int m = rank_[k]; m < d; ++m) {
     const int i = original_row(k, m);
-    double own = reference(k, i);
+    double own = references_.own(k, i);
     for (int j = 0; j < d; ++j) own = std::max(own, std::abs(block[j * d + i]));
     if (!(own > 0))
       for (int c = 0; c < p.coupled_rows; ++c) own = std::max(own, std::abs(upper[c * d + i]));

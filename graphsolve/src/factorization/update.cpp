@@ -46,7 +46,7 @@ void Factorization::Impl::remember_diagonal(const double* block, int d, int stri
 /// What was added to the diagonal of pivot k since remember_diagonal.
 void Factorization::Impl::note_added(int k, const double* block, int d, int stride) {
   for (int q = 0; q < d; ++q) {
-    double& largest = reference(k, q);
+    double& largest = references_.own(k, q);
     const double added = block[q * (d + 1) * stride] - work_[q];
     largest = std::abs(added) > std::abs(largest) ? added : largest;  // no branch: unpredictable
   }
@@ -63,17 +63,17 @@ void Factorization::Impl::update(int k, const PivotBlocks& blocks, int from, Out
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
   const int d = p.dimension, m = p.end - p.begin;
-  const int* coupled = s.coupled_.data() + p.begin;
+  const int* coupled = s.coupled(k).data();
   double* v = values_.data();
-  const double* lower = blocks.lower + s.block_offset_[p.begin + from];
-  const double* upper = blocks.upper + s.block_offset_[p.begin + from];
+  const double* lower = blocks.lower + s.block_offsets(p)[from];
+  const double* upper = blocks.upper + s.block_offsets(p)[from];
   const int size = !scattered_[k] && in_rows(m - from, equal_[k]) ? equal_[k] : 0;
   if (size > 0 && !is_half_kept(k)) kernels_->spreads[size - 1](upper, spread_.data(), d, m - from, 0, d);
   std::int64_t scalars = size > 0 ? updated_scalars(m - from, size) : 0;
   for (int i = from; i < m; ++i) {
     const std::int64_t* target = s.targets(p) + static_cast<std::int64_t>(i) * p.target_stride + from;
     const int di = s.pivot(coupled[i]).dimension, before = symmetric() ? i - from : m - from;
-    const bool watch = tracks_reference(coupled[i]);
+    const bool watch = references_.track(coupled[i]);
     const int stride = s.pivot(coupled[i]).stride;
     double* own = v + target[i - from];
     if (size > 0) {
@@ -81,7 +81,7 @@ void Factorization::Impl::update(int k, const PivotBlocks& blocks, int from, Out
       const int end = before + (symmetric() ? 1 : 0);
       row(v, target, lower, spread_.data(), d, 0, watch ? i - from : end);
       if (watch) {
-        kernels_->watched_blocks[size - 1](own, &reference(coupled[i], 0), lower, spread_.data(), d, d, i - from);
+        kernels_->watched_blocks[size - 1](own, &references_.own(coupled[i], 0), lower, spread_.data(), d, d, i - from);
         row(v, target, lower, spread_.data(), d, i - from + 1, end);
       }
     } else {
@@ -99,7 +99,7 @@ void Factorization::Impl::update(int k, const PivotBlocks& blocks, int from, Out
 std::int64_t Factorization::Impl::update_row_scattered(int k, int i, int from, const double* lower, const double* upper) {
   const Symbolic& s = *symbolic_;
   const Symbolic::Pivot& p = s.pivot(k);
-  const int* coupled = s.coupled_.data() + p.begin;
+  const int* coupled = s.coupled(k).data();
   const std::int64_t* target = s.targets(p) + static_cast<std::int64_t>(i) * p.target_stride;
   const int d = p.dimension, di = s.dimension(coupled[i]), end = symmetric() ? i + 1 : p.end - p.begin;
   std::int64_t scalars = 0;

@@ -1,7 +1,8 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "factorization/active.hpp"
+#include "factorization/given.hpp"
+#include "factorization/impl.hpp"
 
 /// Zeros before new numbers are added.
 namespace graphsolve {
@@ -12,16 +13,17 @@ void Factorization::Impl::set_zero() {
 }
 
 void Factorization::Impl::set_zero(std::span<const int> components) {
-  set_active(components);
+  taking_part_.set(components);
   const auto zero = [&](std::int64_t begin, std::int64_t end) {
     std::fill(values_.begin() + begin, values_.begin() + end, 0.0);
   };
-  each_extent(
+  taking_part_.each_extent(
+      symmetric(),
       [&](std::size_t group, std::int64_t begin, std::int64_t end) {
         if (zeroed_begin_.empty()) return zero(begin, end);
         for (int i = zeroed_begin_[group]; i < zeroed_begin_[group + 1]; ++i) zero(zeroed_[i].begin, zeroed_[i].end);
       },
-      [&](int k) { each_given(k, [&](std::int64_t at) { values_[at] = 0; }); });
+      [&](int k) { each_given(symbolic_->pivot(k), symmetric(), [&](std::int64_t at) { values_[at] = 0; }); });
 }
 
 /// What is left between the blocks. Of interleaved ones all lanes have to be named: the last lane's has its end where
