@@ -23,9 +23,9 @@ struct Times {
 
 template <class F>
 double timed(F&& f) {
-  const double begin = bench::thread_time();
+  const double begin = timing::thread_time();
   f();
-  return bench::thread_time() - begin;
+  return timing::thread_time() - begin;
 }
 
 void gradients(benchmark::State& state, const std::string& spec, int steps) {
@@ -52,13 +52,13 @@ void gradients(benchmark::State& state, const std::string& spec, int steps) {
     }
     state.SetIterationTime(sum);
   }
-  const double step = bench::median(times.step);
+  const double step = timing::median(times.step);
   state.counters["step_us"] = 1e6 * step;
-  state.counters["evaluate"] = bench::median(times.evaluate) / step;
-  state.counters["vector_jacobian"] = bench::median(times.product) / step;
-  state.counters["evaluate_and_vjp"] = bench::median(times.both) / step;
-  state.counters["jacobian"] = bench::median(times.jacobian) / step;
-  state.counters["smooth_evaluate"] = bench::median(times.smooth) / step;
+  state.counters["evaluate"] = timing::median(times.evaluate) / step;
+  state.counters["vector_jacobian"] = timing::median(times.product) / step;
+  state.counters["evaluate_and_vjp"] = timing::median(times.both) / step;
+  state.counters["jacobian"] = timing::median(times.jacobian) / step;
+  state.counters["smooth_evaluate"] = timing::median(times.smooth) / step;
   state.counters["without"] = without;
 }
 

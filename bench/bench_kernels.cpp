@@ -71,33 +71,33 @@ void kernel(benchmark::State& state, const Shape& shape, const Way& way) {
   fill(graph, *symbolic, values);
   constexpr int rounds = 20;  // of one reading of the clock
   std::vector<double> factor, solve;
-  bench::Units units;
+  timing::Units units;
   Factorization::Outcome outcome;
   for (auto _ : state) {
     if (factor.size() % 64 == 0) units.measure();
-    double copying = 0, begin = bench::thread_time();
+    double copying = 0, begin = timing::thread_time();
     for (int k = 0; k < rounds; ++k) std::copy(values.begin(), values.end(), factorization.values().begin());
-    copying = bench::thread_time() - begin;
-    begin = bench::thread_time();
+    copying = timing::thread_time() - begin;
+    begin = timing::thread_time();
     for (int k = 0; k < rounds; ++k) {
       std::copy(values.begin(), values.end(), factorization.values().begin());
       outcome = factorization.factorize();
     }
-    factor.push_back(bench::thread_time() - begin - copying);
-    begin = bench::thread_time();
+    factor.push_back(timing::thread_time() - begin - copying);
+    begin = timing::thread_time();
     for (int k = 0; k < rounds; ++k) {
       std::copy(right.begin(), right.end(), x.begin());
       factorization.solve(x);
     }
-    solve.push_back(bench::thread_time() - begin);
+    solve.push_back(timing::thread_time() - begin);
     state.SetIterationTime(factor.back() + solve.back());
   }
   simd::use_instruction_set(before);
   if (!outcome.ok()) return state.SkipWithError("the factorization failed");
   const double each = 1e9 / (rounds * systems) / units.slowness();
-  const double factor_ns = each * bench::median(factor);
+  const double factor_ns = each * timing::median(factor);
   state.counters["factor_ns"] = factor_ns;
-  state.counters["solve_ns"] = each * bench::median(solve);
+  state.counters["solve_ns"] = each * timing::median(solve);
   state.counters["operations"] = static_cast<double>(outcome.operations) / systems;
   state.counters["per_ns"] = static_cast<double>(outcome.operations) / systems / factor_ns;
 }

@@ -28,15 +28,15 @@ void setup(benchmark::State& state, const Spec& spec, OrderingMethod method) {
   std::vector<double> ordering_times, symbolic_times, both;
   Ordering ordering;
   std::optional<Symbolic> symbolic;
-  bench::Units units;
+  timing::Units units;
   for (auto _ : state) {
     units.measure();
     symbolic.reset();
-    const double begin = bench::thread_time();
+    const double begin = timing::thread_time();
     ordering = make_ordering(graph, method);
-    const double middle = bench::thread_time();
+    const double middle = timing::thread_time();
     symbolic.emplace(graph, ordering);
-    const double end = bench::thread_time();
+    const double end = timing::thread_time();
     ordering_times.push_back(middle - begin);
     symbolic_times.push_back(end - middle);
     both.push_back(end - begin);
@@ -45,9 +45,9 @@ void setup(benchmark::State& state, const Spec& spec, OrderingMethod method) {
   const double per_node = 1e6 / graph.size();
   const Symbolic::Counts& counts = symbolic->counts();
   state.counters["nodes"] = graph.size();
-  state.counters["ordering_us"] = per_node * bench::median(ordering_times);
-  state.counters["symbolic_us"] = per_node * bench::median(symbolic_times);
-  state.counters["us_ref"] = per_node * bench::median(both) / units.slowness();
+  state.counters["ordering_us"] = per_node * timing::median(ordering_times);
+  state.counters["symbolic_us"] = per_node * timing::median(symbolic_times);
+  state.counters["us_ref"] = per_node * timing::median(both) / units.slowness();
   state.counters["bytes"] = static_cast<double>(counts.memory) / graph.size();
   state.counters["operations"] = static_cast<double>(counts.operations) / graph.size();
   state.counters["fill"] = families::fill_factor(*symbolic);

@@ -33,12 +33,12 @@ void run(const Mechanism& scene, int lanes, int steps, const SimulatorSettings& 
     for (Body& body : copy.bodies) body.velocity.x() += 0.01 * lane;
     simulator.load(lane, copy);
   }
-  const double begin = bench::thread_time();
+  const double begin = timing::thread_time();
   for (int k = 0; k < steps; ++k) {
     simulator.step();
     for (int lane = 0; lane < lanes; ++lane) sum.iterations += simulator.result(lane).iterations;
   }
-  sum.time += bench::thread_time() - begin;
+  sum.time += timing::thread_time() - begin;
   for (int lane = 0; lane < lanes; ++lane) {
     sum.env_steps += simulator.step_index(lane);
     sum.failed += !simulator.running(lane);
@@ -50,7 +50,7 @@ void batch(benchmark::State& state, const std::string& spec, int steps) {
   const int lanes = static_cast<int>(state.range(0));
   const Mechanism scene = built_in_scene(spec);
   Sum sum, timed;
-  bench::Units units;
+  timing::Units units;
   for (auto _ : state) {
     units.measure();
     const double before = sum.time;

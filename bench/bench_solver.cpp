@@ -37,21 +37,12 @@ using Factory = std::function<std::unique_ptr<baselines::Baseline>(const graphso
 
 double clock_cost = 0;  ///< of reading the clock once [s]; taken off
 
-double measure_clock() {
-  std::vector<double> costs;
-  for (int i = 0; i < 1001; ++i) {
-    const double begin = bench::thread_time();
-    costs.push_back(bench::thread_time() - begin);
-  }
-  return bench::median(std::move(costs));
-}
-
 /// Thread CPU time of `f` [s].
 template <class F>
 double timed(F&& f) {
-  const double begin = bench::thread_time();
+  const double begin = timing::thread_time();
   f();
-  return std::max(bench::thread_time() - begin - clock_cost, 0.0);
+  return std::max(timing::thread_time() - begin - clock_cost, 0.0);
 }
 
 std::span<const double> view(const Eigen::VectorXd& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
@@ -174,11 +165,11 @@ void race(benchmark::State& state, const Entry& entry, const Factory& factory) {
     state.SetIterationTime(times.total.empty() ? times.refactor.back() : times.total.back());
   }
   if (!team.status.ok) return;
-  state.counters["analysis_us"] = 1e6 * bench::median(times.analysis);
-  state.counters["write_us"] = 1e6 * bench::median(times.write);
-  state.counters["refactor_us"] = 1e6 * bench::median(times.refactor);
-  state.counters["solve_us"] = 1e6 * bench::median(times.solve);
-  state.counters["total_us"] = 1e6 * bench::median(times.total);
+  state.counters["analysis_us"] = 1e6 * timing::median(times.analysis);
+  state.counters["write_us"] = 1e6 * timing::median(times.write);
+  state.counters["refactor_us"] = 1e6 * timing::median(times.refactor);
+  state.counters["solve_us"] = 1e6 * timing::median(times.solve);
+  state.counters["total_us"] = 1e6 * timing::median(times.total);
   state.counters["backward_error"] = families::backward_error(problem.matrix, view(team.x), view(problem.right));
   state.counters["nodes"] = problem.graph.size() / entry.copies;
   state.counters["rows"] = problem.graph.rows() / entry.copies;
@@ -299,7 +290,7 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   (void)bench::set_up();
-  clock_cost = measure_clock();
+  clock_cost = timing::clock_time();
   benchmark::AddCustomContext("blas", blas());
 #ifdef GRAPHSOLVE_HAS_BASELINES
   benchmark::AddCustomContext("packages", baselines::versions());

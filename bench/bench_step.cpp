@@ -33,7 +33,7 @@ using namespace physics;
 
 struct Measurement {
   std::vector<double> steps;  ///< [s]
-  bench::Units units;
+  timing::Units units;
   double time = 0;            ///< of all of them [s]
   long long iterations = 0;
   int failed = 0;
@@ -41,11 +41,11 @@ struct Measurement {
 
 /// Runs `steps` steps and adds them; stops at a step that fails.
 void measure(Simulator& simulator, int steps, Measurement& sum) {
-  static const double clock = bench::clock_time();
+  static const double clock = timing::clock_time();
   for (int i = 0; i < steps; ++i) {
-    const double begin = bench::thread_time();
+    const double begin = timing::thread_time();
     const StepResult result = simulator.step();
-    const double time = bench::thread_time() - begin - clock;
+    const double time = timing::thread_time() - begin - clock;
     sum.steps.push_back(time);
     sum.time += time;
     sum.iterations += result.iterations;
@@ -61,7 +61,7 @@ void measure(const std::string& spec, int steps, Measurement& sum) {
 }
 
 void report(benchmark::State& state, Measurement sum) {
-  const double us = 1e6 * bench::median(sum.steps), scaled = 1 / sum.units.slowness();
+  const double us = 1e6 * timing::median(sum.steps), scaled = 1 / sum.units.slowness();
   std::sort(sum.steps.begin(), sum.steps.end());
   const std::size_t n = sum.steps.size();
   state.counters["us"] = us;
@@ -155,7 +155,7 @@ void tree(benchmark::State& state, int links) {
     state.SetIterationTime(sum.time - before);
   }
   const double iterations = static_cast<double>(sum.iterations) / static_cast<double>(sum.steps.size());
-  state.counters["ns_body_it_ref"] = 1e9 * bench::median(sum.steps) / sum.units.slowness() / links / std::max(iterations, 1.0);
+  state.counters["ns_body_it_ref"] = 1e9 * timing::median(sum.steps) / sum.units.slowness() / links / std::max(iterations, 1.0);
   report(state, std::move(sum));
 }
 

@@ -23,9 +23,9 @@ inline std::string processor() {
 /// Measures the unit, prints it on standard error (standard output may be JSON), and adds all that belongs to the figures.
 /// Returns the unit [s]; after Initialize.
 inline double set_up() {
-  const double unit = measure_unit();
+  const double unit = timing::measure_unit();
   std::fprintf(stderr, "unit: %.0f ns (the bars are for 149 ns: here they are %.2f times as long)\n", unit * 1e9,
-               unit / reference_unit);
+               unit / timing::reference_unit);
   benchmark::AddCustomContext("unit_ns", std::to_string(1e9 * unit));
   benchmark::AddCustomContext("cpu", processor());
   benchmark::AddCustomContext("instruction_set", std::string(name(graphsolve::simd::instruction_set())));

@@ -49,13 +49,13 @@ double measure(const Problem& problem, const Supernodes& nodes) {
   std::vector<double> values(f.values().size());
   families::load(a, nodes.graph, f.symbolic(), values);
   std::vector<double> times;
-  for (double begin = bench::thread_time(); times.size() < 5 || bench::thread_time() - begin < 0.05;) {
+  for (double begin = timing::thread_time(); times.size() < 5 || timing::thread_time() - begin < 0.05;) {
     std::copy(values.begin(), values.end(), f.values().begin());
-    const double start = bench::thread_time();
+    const double start = timing::thread_time();
     if (!f.factorize().ok()) return 0;
-    times.push_back(1e9 * (bench::thread_time() - start));
+    times.push_back(1e9 * (timing::thread_time() - start));
   }
-  return bench::median(std::move(times));
+  return timing::median(std::move(times));
 }
 
 std::vector<Sample> samples() {
@@ -117,7 +117,7 @@ void report(const char* what, const std::vector<Sample>& list, Predict&& predict
     worst = std::max(worst, loss);
   }
   std::printf("%s: off by %.0f %% in the median, %.0f %% at most; the choice costs %.1f %% on average, %.0f %% at most\n", what,
-              100 * bench::median(off), 100 * *std::max_element(off.begin(), off.end()), 100 * lost, 100 * worst);
+              100 * timing::median(off), 100 * *std::max_element(off.begin(), off.end()), 100 * lost, 100 * worst);
 }
 
 }  // namespace
@@ -129,7 +129,7 @@ int main(int argc, char**) {
   }
   const std::vector<Sample> list = samples();
   const FactorWork weights = fit(list);
-  std::printf("unit %.0f ns, %zu factorizations; weights [ns]:", 1e9 * bench::measure_unit(), list.size());
+  std::printf("unit %.0f ns, %zu factorizations; weights [ns]:", 1e9 * timing::measure_unit(), list.size());
   for (const double weight : weights) std::printf(" %.3g", weight);
   std::printf("\n");
   report("as built", list, [](const Sample& s) { return s.predicted; });

@@ -1,13 +1,13 @@
 #include "analyze_report.hpp"
 
 #include <fmt/format.h>
-#include <time.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "matrix_source.hpp"
 #include "study/table.hpp"
+#include "timing.hpp"
 
 namespace cli {
 
@@ -18,12 +18,6 @@ namespace {
 
 /// What is worked out and attributed takes a kilobyte for each.
 constexpr std::int64_t most_fill_blocks = 3'000'000;
-
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 /// Scalars that fill adds to the matrix, both triangles.
 std::int64_t fill_scalars(const Symbolic& symbolic) {
@@ -46,9 +40,9 @@ std::string bytes(std::int64_t n) {
 
 void AnalyzeReport::add(OrderingMethod method) {
   Row row{method, {}, nullptr};
-  const double start = cpu_seconds();
+  const double start = timing::thread_time();
   row.ordering = make_ordering(graph, method);
-  const double middle = cpu_seconds();
+  const double middle = timing::thread_time();
   const PredictedCost cost = predict_cost(graph, row.ordering, most_fill_blocks + edges_of(graph));
   if (cost.fill_blocks > most_fill_blocks) {
     left_out.push_back(fmt::format("{}: left out, it fills more than {} blocks", name(method), most_fill_blocks));
@@ -56,7 +50,7 @@ void AnalyzeReport::add(OrderingMethod method) {
   }
   row.symbolic = std::make_shared<const Symbolic>(graph, row.ordering);
   row.ordering_seconds = middle - start;
-  row.symbolic_seconds = cpu_seconds() - middle;
+  row.symbolic_seconds = timing::thread_time() - middle;
   rows.push_back(std::move(row));
 }
 

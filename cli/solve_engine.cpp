@@ -1,7 +1,6 @@
 #include "solve_engine.hpp"
 
 #include <fmt/format.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,18 +10,13 @@
 #include "graphsolve/io/draw.hpp"
 #include "graphsolve/largest.hpp"
 #include "graphsolve/robust_solver.hpp"
+#include "timing.hpp"
 
 namespace cli {
 
 using namespace graphsolve;
 
 namespace {
-
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 const char* name_of(FactorizationKind kind) {
   return kind == FactorizationKind::cholesky ? "cholesky" : kind == FactorizationKind::ldlt ? "ldlt" : "ldu";
@@ -114,14 +108,14 @@ int solve_refined(System system, Factorization& factor, std::span<const double> 
 
 bool try_graph(const Run& run, const std::shared_ptr<const Symbolic>& symbolic, FactorizationKind kind) {
   Attempt attempt{.method = name_of(kind), .trouble = {}, .outcome = {}, .error = {}};
-  const double start = cpu_seconds();
+  const double start = timing::thread_time();
   Factorization factor(symbolic, kind);
   factor.allow_refinement();
   factor.keep_matrix(true);
   EntryMap(run.source.file.matrix, run.source.blocks, *symbolic).write(run.source.file.matrix.value, factor.values());
-  const double ready = cpu_seconds();
+  const double ready = timing::thread_time();
   attempt.outcome = factor.factorize();
-  const double factored = cpu_seconds();
+  const double factored = timing::thread_time();
   attempt.setup_seconds = ready - start;
   attempt.factor_seconds = factored - ready;
   if (!attempt.outcome.ok()) {
@@ -136,7 +130,7 @@ bool try_graph(const Run& run, const std::shared_ptr<const Symbolic>& symbolic, 
       attempt.sweeps = std::max(attempt.sweeps, solve_refined(run.system, factor, right, solution));
       run.source.blocks.to_matrix(solution, run.column_of_x(c));
     }
-    attempt.solve_seconds = cpu_seconds() - factored;
+    attempt.solve_seconds = timing::thread_time() - factored;
     judge(run, attempt);
     if (is_singular(factor, attempt.outcome)) explain(run, diagnose(run.source.blocks.graph, factor, attempt.outcome));
     else if (attempt.outcome.dropped_rows > 0) attempt.trouble = "left out rows that do not depend on others";
@@ -148,14 +142,14 @@ bool try_graph(const Run& run, const std::shared_ptr<const Symbolic>& symbolic, 
 /// graphsolve's own chain: reordering, proximal shift, threshold pivoting; and its diagnosis when all fail.
 bool try_robust(const Run& run, OrderingMethod ordering) {
   Attempt attempt{.method = "robust", .trouble = {}, .outcome = {}, .error = {}};
-  const double start = cpu_seconds();
+  const double start = timing::thread_time();
   RobustSolver solver(run.source.blocks.graph,
                       {.kind = run.source.blocks.symmetric ? FactorizationKind::ldlt : FactorizationKind::ldu,
                        .ordering = ordering});
   EntryMap(run.source.file.matrix, run.source.blocks, solver.symbolic()).write(run.source.file.matrix.value, solver.values());
-  const double ready = cpu_seconds();
+  const double ready = timing::thread_time();
   attempt.outcome = solver.factorize();
-  const double factored = cpu_seconds();
+  const double factored = timing::thread_time();
   attempt.setup_seconds = ready - start;
   attempt.factor_seconds = factored - ready;
   std::vector<double> right(run.b.size()), solution(run.b.size());
@@ -167,7 +161,7 @@ bool try_robust(const Run& run, OrderingMethod ordering) {
   attempt.method = fmt::format("robust: {}", name(report.rung));
   attempt.reason = report.why;
   if (run.columns > 1 && !report.why.empty()) attempt.reason = fmt::format("right-hand side {}: {}", report.column + 1, report.why);
-  attempt.solve_seconds = cpu_seconds() - factored;
+  attempt.solve_seconds = timing::thread_time() - factored;
   if (report.unsolved == 0) {
     for (int c = 0; c < run.columns; ++c)
       run.source.blocks.to_matrix(std::span(solution).subspan(c * run.rows(), run.rows()), run.column_of_x(c));

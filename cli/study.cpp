@@ -15,7 +15,7 @@
 #include "physics/scene_io.hpp"
 #include "progress.hpp"
 #include "study/machine.hpp"
-#include "study/measure.hpp"
+#include "unit.hpp"
 
 namespace cli {
 
@@ -86,7 +86,7 @@ void draw(const study::Outcome& outcome, const std::string& folder, std::string&
 /// Returns how many steps failed.
 int run_study(const Study& study, const Options& options) {
   const study::Conditions conditions{.extent = options.quick ? study::Extent::quick : study::Extent::full,
-                                     .unit_nanoseconds = study::unit_nanoseconds()};
+                                     .unit_nanoseconds = 1e9 * timing::measure_unit()};
   const study::Json machine = study::machine(conditions.unit_nanoseconds);
   fmt::print("== {}{}\n{}", study.name, options.quick ? ", quick" : "", study::machine_for_people(machine));
   std::fflush(stdout);
