@@ -6,11 +6,11 @@
 #include <stdexcept>
 #include <string>
 
-#include "graphsolve/interior_point.hpp"
+#include "interior_point/impl.hpp"
 #include "simd/vector_kernels.hpp"
 
 /// What is made once, lists of instances by component, and what every solve begins with. The loop itself is in
-/// interior_point.cpp, points to start from in interior_point_starts.cpp, what ends it in interior_point_judge.cpp.
+/// loop.cpp, points to start from in starts.cpp, what ends it in judge.cpp.
 namespace graphsolve {
 
 namespace {
@@ -39,7 +39,7 @@ std::int64_t count_instances(const Problem& problem) {
 
 }  // namespace
 
-InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> symbolic, InteriorPointSettings settings)
+InteriorPoint::Impl::Impl(Problem& problem, std::shared_ptr<const Symbolic> symbolic, InteriorPointSettings settings)
     : problem_(problem), wiring_(problem.take_wiring()), settings_(settings), factorization_(std::move(symbolic)) {
   check(settings);
   const Symbolic& s = factorization_.symbolic();
@@ -93,7 +93,7 @@ InteriorPoint::InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> s
 }
 
 /// What was added after the solver was made has no rows and blocks.
-void InteriorPoint::check_point(std::size_t size) const {
+void InteriorPoint::Impl::check_point(std::size_t size) const {
   if (size != x_.size())
     throw std::invalid_argument("start of " + std::to_string(size) + " numbers, the graph has " +
                                 std::to_string(x_.size()) + " rows");
@@ -114,12 +114,12 @@ void InteriorPoint::check_point(std::size_t size) const {
 }
 
 /// Adds a range to those from `first` on, or to the last of them.
-void InteriorPoint::join(std::vector<RowRange>& ranges, std::size_t first, const RowRange& next) {
+void InteriorPoint::Impl::join(std::vector<RowRange>& ranges, std::size_t first, const RowRange& next) {
   if (ranges.size() > first && ranges.back().end == next.begin) ranges.back().end = next.end;
   else ranges.push_back(next);
 }
 
-void InteriorPoint::find_row_ranges() {
+void InteriorPoint::Impl::find_row_ranges() {
   const Symbolic& s = factorization_.symbolic();
   std::vector<RowRange> rows;
   row_range_begin_.reserve(s.components() + 1);
@@ -137,7 +137,7 @@ void InteriorPoint::find_row_ranges() {
   running_rows_.reserve(row_ranges_.size());
 }
 
-void InteriorPoint::make_lists(Lists& lists, std::span<const int> component_of_instance) {
+void InteriorPoint::Impl::make_lists(Lists& lists, std::span<const int> component_of_instance) {
   lists.component.assign(component_of_instance.begin(), component_of_instance.end());
   lists.begin.assign(factorization_.symbolic().components() + 1, 0);
   lists.all.reserve(lists.component.size());
@@ -149,7 +149,7 @@ void InteriorPoint::make_lists(Lists& lists, std::span<const int> component_of_i
 }
 
 /// Counting sort: within a component the given order is kept.
-void InteriorPoint::sort_by_component(Lists& lists, std::span<const int> instances) {
+void InteriorPoint::Impl::sort_by_component(Lists& lists, std::span<const int> instances) {
   auto& begin = lists.begin;
   std::fill(begin.begin(), begin.end(), 0);
   for (const int i : instances) ++begin[lists.component[i]];
@@ -173,7 +173,7 @@ int repeated(std::span<const int> list, std::vector<int>& scratch) {
 
 }  // namespace
 
-void InteriorPoint::activate(int batch, std::span<const int> instances) {
+void InteriorPoint::Impl::activate(int batch, std::span<const int> instances) {
   if (batch < 0 || batch >= static_cast<int>(port_lists_.size()))
     throw std::invalid_argument("activate: there is no batch " + std::to_string(batch) + " of ports");
   Lists& lists = port_lists_[batch];
@@ -189,7 +189,7 @@ void InteriorPoint::activate(int batch, std::span<const int> instances) {
   sort_by_component(lists, instances);
 }
 
-void InteriorPoint::select(std::span<const int> components) {
+void InteriorPoint::Impl::select(std::span<const int> components) {
   const int all = factorization_.symbolic().components();
   for (const int c : components)
     if (c < 0 || c >= all)
@@ -200,7 +200,7 @@ void InteriorPoint::select(std::span<const int> components) {
 }
 
 /// Lists of what runs. Where nothing does nobody asks for them, and the next solve mostly runs what this one did.
-void InteriorPoint::set_running() {
+void InteriorPoint::Impl::set_running() {
   if (running_.empty() || (!lists_changed_ && std::ranges::equal(running_, listed_))) return;
   lists_changed_ = false;
   listed_.assign(running_.begin(), running_.end());
@@ -217,7 +217,7 @@ void InteriorPoint::set_running() {
   for (auto& lists : port_lists_) fill(lists);
 }
 
-void InteriorPoint::begin(std::span<const double> x, double force_factor, std::span<const double> noise) {
+void InteriorPoint::Impl::begin(std::span<const double> x, double force_factor, std::span<const double> noise) {
   check_point(x.size());
   if (!noise.empty() && noise.size() != reports_.size())
     throw std::invalid_argument("noise of " + std::to_string(noise.size()) + " numbers, the graph has " +
@@ -250,7 +250,7 @@ void InteriorPoint::begin(std::span<const double> x, double force_factor, std::s
   }
 }
 
-void InteriorPoint::set_default_scales() {
+void InteriorPoint::Impl::set_default_scales() {
   const Symbolic& s = factorization_.symbolic();
   for (const int c : running_) {
     scaled_[c] = 1;
@@ -265,12 +265,12 @@ void InteriorPoint::set_default_scales() {
   scales_known_ = true;
 }
 
-void InteriorPoint::set_row_scale(NodeId node, std::span<const double> scale) {
+void InteriorPoint::Impl::set_row_scale(NodeId node, std::span<const double> scale) {
   problem_.check_row_scale(node, scale);
   std::copy(scale.begin(), scale.end(), row_scale_.begin() + problem_.graph().row(node));
 }
 
-const Factorization& InteriorPoint::factorize_terms(std::span<const double> x) {
+const Factorization& InteriorPoint::Impl::factorize_terms(std::span<const double> x) {
   check_point(x.size());
   std::copy(x.begin(), x.end(), x_.begin());
   run_all();

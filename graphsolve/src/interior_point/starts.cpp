@@ -2,7 +2,7 @@
 #include <cmath>
 #include <limits>
 
-#include "graphsolve/interior_point.hpp"
+#include "interior_point/impl.hpp"
 
 /// Where components start from, and start again when they got nowhere.
 namespace graphsolve {
@@ -17,7 +17,7 @@ constexpr double small_scale = 0.01;  ///< of the laws, over the unit of the row
 }  // namespace
 
 /// Projects the remembered point at the lowest barrier, and chooses the barrier from the residual found there.
-void InteriorPoint::start_warm() {
+void InteriorPoint::Impl::start_warm() {
   const auto ports = problem_.ports();
   const auto start = [&] {
     for (std::size_t b = 0; b < ports.size(); ++b)
@@ -48,14 +48,14 @@ void InteriorPoint::start_warm() {
   evaluate_ports();
 }
 
-void InteriorPoint::restart_cold(int c, double velocity) {
+void InteriorPoint::Impl::restart_cold(int c, double velocity) {
   const auto ports = problem_.ports();
   for (std::size_t b = 0; b < ports.size(); ++b)
     ports[b]->start_cold(of_component(port_lists_[b], c), velocity, scale_);
 }
 
 /// Finds where the residual of a component that failed is largest; a NaN counts as largest.
-void InteriorPoint::blame(int c) {
+void InteriorPoint::Impl::blame(int c) {
   const Symbolic& s = factorization_.symbolic();
   ComponentReport& report = reports_[c];
   double largest = -1;
@@ -81,13 +81,13 @@ void InteriorPoint::blame(int c) {
 }
 
 /// From where x is.
-void InteriorPoint::start_phase(int c) {
+void InteriorPoint::Impl::start_phase(int c) {
   attempt_iterations_[c] = short_steps_[c] = 0;
   good_[c] = 0;
   restarted_ = true;
 }
 
-double InteriorPoint::scale_of_laws(int c) const {
+double InteriorPoint::Impl::scale_of_laws(int c) const {
   double scale = 0;
   const auto ports = problem_.ports();
   for (std::size_t b = 0; b < ports.size(); ++b)
@@ -96,7 +96,7 @@ double InteriorPoint::scale_of_laws(int c) const {
 }
 
 /// Force over u where the rows are comparable with u: one over the smallest row scale.
-double InteriorPoint::unit_of_forces(int c) const {
+double InteriorPoint::Impl::unit_of_forces(int c) const {
   double smallest = std::numeric_limits<double>::infinity();
   for (const RowRange& rows : rows_of(c))
     for (int i = rows.begin; i < rows.end; ++i) smallest = std::min(smallest, row_scale_[i]);
@@ -105,7 +105,7 @@ double InteriorPoint::unit_of_forces(int c) const {
 
 /// Ladder: warm, cold at 1 m/s, cold at another scale, frozen couplings, cold at the size of all residuals, cold in the
 /// unit of the rows, end.
-void InteriorPoint::next_attempt(int c) {
+void InteriorPoint::Impl::next_attempt(int c) {
   const Status cause = trouble_[c];
   const auto ports = problem_.ports();
   const double usual = std::max(1.0, start_error_[c]);
@@ -155,7 +155,7 @@ void InteriorPoint::next_attempt(int c) {
 /// The frozen problem is solved: move the frozen couplings to what they should be, or set them free. Where they drift, each
 /// time by about as much as the time before, they flee from a fixed point or creep along a bound, and the solution is
 /// far away, where other bounds hold: twice as far each time.
-void InteriorPoint::refreeze(int c) {
+void InteriorPoint::Impl::refreeze(int c) {
   const auto ports = problem_.ports();
   const double last = change_[c];
   change_[c] = 0;

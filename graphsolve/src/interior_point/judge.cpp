@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "graphsolve/interior_point.hpp"
-#include "interior_point/interior_point_constants.hpp"
+#include "interior_point/impl.hpp"
+#include "interior_point/constants.hpp"
 
 /// What becomes of a component after each step: solved, polished, taken back, refined from here on, or another attempt.
 namespace graphsolve {
@@ -21,7 +21,7 @@ constexpr int newton_iterations = 20;  ///< without ports it converges fast or n
 
 /// Ends, restarts or passes on every running component. One that was passed on and has not moved since, because another
 /// one made the loop begin anew, is not judged twice: what becomes of it must not depend on the others.
-void InteriorPoint::judge() {
+void InteriorPoint::Impl::judge() {
   bool any_restarted = false;
   bool ended = false;
   keep_running_.clear();
@@ -46,7 +46,7 @@ void InteriorPoint::judge() {
   set_running();
 }
 
-void InteriorPoint::judge_component(int c) {
+void InteriorPoint::Impl::judge_component(int c) {
   reports_[c].residual = error_[c];
   if (!std::isfinite(error_[c]) && !good_[c]) {
     trouble_[c] = Status::not_finite;
@@ -83,7 +83,7 @@ void InteriorPoint::judge_component(int c) {
 
 /// The last step only polished the products s z and made the residual worse: forces that are not unique amplify
 /// rounding errors by the stiffness of their pairs. The point before it was a solution.
-void InteriorPoint::undo(int c) {
+void InteriorPoint::Impl::undo(int c) {
   const double step = alpha_[c];
   alpha_[c] = -step;
   const auto ports = problem_.ports();
@@ -96,7 +96,7 @@ void InteriorPoint::undo(int c) {
 /// Newton gains at least a digit near the solution, or arrives where the barrier lets it. Where it does not, rounding in
 /// the elimination of very stiff pairs is the cause: refine from here on; a step that made things much worse is taken
 /// back first.
-bool InteriorPoint::unsound(int c) {
+bool InteriorPoint::Impl::unsound(int c) {
   if (refine_[c] || degree_[c] == 0 || attempt_iterations_[c] == 0) return false;
   if (previous_error_[c] > refine_below || error_[c] <= tolerance(c)) return false;
   const double of_barrier = barrier_share * std::sqrt(mu_[c] / scale_[c]);  // pairs end near s = z / scale = this
@@ -113,7 +113,7 @@ bool InteriorPoint::unsound(int c) {
 }
 
 /// The present phase of a component is solved.
-void InteriorPoint::end(int c) {
+void InteriorPoint::Impl::end(int c) {
   if (phase_[c] == Phase::frozen || phase_[c] == Phase::refrozen) {
     refreeze(c);
   } else if (phase_[c] == Phase::rescaled) {  // the laws' own scale has the last word
@@ -126,7 +126,7 @@ void InteriorPoint::end(int c) {
 }
 
 /// Newton far from the solution: halve the last step while it made the residual larger.
-bool InteriorPoint::backtrack(int c) {
+bool InteriorPoint::Impl::backtrack(int c) {
   const bool worse = attempt_iterations_[c] > 0 && previous_error_[c] > 1e-2 && error_[c] > previous_error_[c];
   if (!worse || halvings_[c] >= newton_halvings) {
     halvings_[c] = 0;

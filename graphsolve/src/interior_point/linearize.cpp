@@ -3,7 +3,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "graphsolve/interior_point.hpp"
+#include "interior_point/impl.hpp"
 #include "graphsolve/largest.hpp"
 
 /// The derivative of a solution: the matrix of one Newton step on the central path of a given barrier.
@@ -17,13 +17,13 @@ constexpr double off_path = 1e-6;      ///< of the mean product from its barrier
 
 }  // namespace
 
-void InteriorPoint::run_all() {
+void InteriorPoint::Impl::run_all() {
   running_.resize(reports_.size());
   std::iota(running_.begin(), running_.end(), 0);
   set_running();
 }
 
-Status InteriorPoint::linearize(std::span<double> x, double smoothing, double stiffness, Factorization& target) {
+Status InteriorPoint::Impl::linearize(std::span<double> x, double smoothing, double stiffness, Factorization& target) {
   check_point(x.size());
   if (&target.symbolic() != &factorization_.symbolic())
     throw std::invalid_argument("linearize: the target has another elimination");
@@ -66,7 +66,7 @@ Status InteriorPoint::linearize(std::span<double> x, double smoothing, double st
   return Status::solved;
 }
 
-void InteriorPoint::evaluate_terms_into(Factorization& target) {
+void InteriorPoint::Impl::evaluate_terms_into(Factorization& target) {
   target.set_zero();
   std::fill(residual_.begin(), residual_.end(), 0.0);
   const auto terms = problem_.terms();
@@ -75,7 +75,7 @@ void InteriorPoint::evaluate_terms_into(Factorization& target) {
 }
 
 /// One Newton step at a fixed barrier. True when it was the last that is needed.
-bool InteriorPoint::centre(const Factorization& matrix) {
+bool InteriorPoint::Impl::centre(const Factorization& matrix) {
   const auto ports = problem_.ports();
   right_hand_side();
   matrix.solve(dx_);
@@ -100,7 +100,7 @@ bool InteriorPoint::centre(const Factorization& matrix) {
   return last;
 }
 
-void InteriorPoint::restore_laws() {
+void InteriorPoint::Impl::restore_laws() {
   const auto ports = problem_.ports();
   for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->restore(running(port_lists_[b]));
 }
