@@ -186,4 +186,22 @@ TEST(Iterations, OfTheWalkingQuadrupedAreSixAtMostOnAverage) {
   }
 }
 
+/// A barrier that follows the tolerance would end above the largest product that a solution may have, and every step,
+/// started there, would go down to it once more.
+TEST(Iterations, OfALooserToleranceAreNotMore) {
+  for (const char* spec : {"sliding_box", "disc:c=20", "snake:n=20", "box_on_slope", "pads", "tumbling_box", "hopper"}) {
+    const auto mean = [&](double tolerance) {
+      SimulatorSettings settings;
+      settings.tolerance = tolerance;
+      Simulator simulator(built_in_scene(spec), settings);
+      Count count;
+      for (int k = 0; k < 150; ++k) count.add(simulator.step().iterations);
+      return count.mean();
+    };
+    const double usual = mean(1e-8);
+    for (const double tolerance : {1e-6, 1e-5, 1e-4, 1e-3})
+      EXPECT_LE(mean(tolerance), usual + 0.5) << spec << ", tolerance " << tolerance << " m/s";
+  }
+}
+
 }  // namespace test_iterations

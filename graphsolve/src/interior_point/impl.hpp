@@ -92,10 +92,10 @@ class InteriorPoint::Impl {
   [[nodiscard]] double tolerance(int component) const {
     return noise_.empty() ? settings_.tolerance : std::max(settings_.tolerance, noise_[component]);
   }
-  /// The lowest barrier.
+  /// The lowest barrier: however loose the tolerance, pairs that reach it have a product that ends a solve.
   [[nodiscard]] double mu_floor(int component) const {
     const double least = 0.01 * settings_.tolerance;
-    return least * least * scale_[component];
+    return std::min(least * least, 0.1 * settings_.largest_product) * scale_[component];
   }
   [[nodiscard]] bool straight_to_floor(int component) const;
   [[nodiscard]] double floor_target(int component) const;
