@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <chrono>
 #include <cmath>
 
@@ -16,15 +17,41 @@ using graphsolve::Status;
 namespace {
 
 constexpr int more_when_turned = 16;  ///< the last resort may take this many times more substeps
+constexpr int jammed = 3;             ///< so many steps in a row that only the last resort solved
 
-/// Where a step fails, more and shorter ones; where these fail too, with the force directions at the new configuration.
-bool next_rung(Stepper::Rung& rung, int max_substeps) {
-  rung.parts *= 2;
-  if (rung.parts <= (rung.new_direction ? more_when_turned : 1) * max_substeps) return true;
-  if (rung.new_direction) return false;
-  rung = {1, true};
-  return true;
-}
+/// The ways to try a step, in the usual order: as a whole, in 2, 4, ... parts, then all of these and more with the force
+/// directions at the new configuration.
+class Ladder {
+ public:
+  explicit Ladder(int max_substeps)
+      : plain_(std::bit_width(static_cast<unsigned>(max_substeps))),
+        rungs_(plain_ + static_cast<int>(std::bit_width(static_cast<unsigned>(max_substeps) * more_when_turned))) {}
+
+  /// f(rung) for all but the first, until it returns true. What solved the step before mostly solves the next one too:
+  /// half as many parts are tried first, what was passed over comes last.
+  template <class F>
+  void climb(const StepResult& before, int turned_in_a_row, F&& f) const {
+    int first = 1;
+    if (turned_in_a_row >= jammed) {
+      if (plain_ > 1 && f(rung(plain_ - 1))) return;
+      first = std::max(plain_, plain_ + rung_of(before) - 1);
+    } else if (!before.new_force_direction) {
+      first = std::max(1, rung_of(before) - 1);
+    }
+    for (int k = first; k < rungs_; ++k)
+      if (f(rung(k))) return;
+    for (int k = 1; k < first; ++k)
+      if (f(rung(k))) return;
+  }
+
+ private:
+  [[nodiscard]] Stepper::Rung rung(int k) const {
+    return {.parts = 1 << (k < plain_ ? k : k - plain_), .new_direction = k >= plain_};
+  }
+  static int rung_of(const StepResult& result) { return std::bit_width(static_cast<unsigned>(result.substeps)) - 1; }
+
+  int plain_, rungs_;
+};
 
 }  // namespace
 
@@ -36,17 +63,20 @@ void Stepper::step(std::span<const int> stepped) {
     lanes[lane].last = {};
   }
   attempt(stepped, {1, false});
+  const Ladder ladder(settings.max_substeps);
   for (const int lane : stepped) {
     Lane& l = lanes[lane];
-    Rung rung{1, false};
-    while (!l.last.ok()) {
-      restore(lane);
-      if (!next_rung(rung, settings.max_substeps)) break;
-      attempt({&lane, 1}, rung);
-    }
+    if (!l.last.ok())
+      ladder.climb(l.before, l.turned_in_a_row, [&](const Rung& rung) {
+        restore(lane);
+        attempt({&lane, 1}, rung);
+        return l.last.ok();
+      });
     if (l.last.ok()) {
       ++l.step_index;
+      l.turned_in_a_row = l.last.new_force_direction ? l.turned_in_a_row + 1 : 0;
     } else {
+      restore(lane);
       l.last.cause = step_explanation(l.last.status);
       recall(lane);
     }

@@ -45,6 +45,7 @@ struct Lane {
   Attempt attempt;
   StepResult last;
   StepResult before;  ///< of the last step that was solved
+  int turned_in_a_row = 0;  ///< steps up to there that took the new force direction
   graphsolve::ComponentReport failure;  ///< of the last component that failed
 
   /// After so many more steps, or parts of one [s].

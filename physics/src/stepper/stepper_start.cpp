@@ -76,6 +76,7 @@ void Stepper::set_state(int lane, std::span<const BodyRecord> records, const Lan
     bodies.place(i, record.position - q * place.offset, q);
   }
   l.state = state;
+  l.turned_in_a_row = 0;
   begin({&lane, 1}, dt);
   bodies.keep_energies({&lane, 1});
   contacts->clear(lane);
