@@ -6,7 +6,7 @@ execute_process(COMMAND ${BENCH}
   --benchmark_out=${JSON} --benchmark_out_format=json
   OUTPUT_QUIET ERROR_QUIET COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${PYTHON} ${TABLES} ${JSON} OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
-foreach(title "Symmetric values" "times faster (issue 3, item 1)" "Fill and analysis" "against the fastest package (issue 4)"
+foreach(title "Symmetric values" "times faster: pivots one by one" "Fill and analysis" "in packs against the fastest package"
     "Batch of 8 equal systems")
   string(FIND "${text}" "${title}" at)
   if(at LESS 0)

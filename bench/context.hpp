@@ -26,6 +26,8 @@ inline double set_up() {
   const double unit = timing::measure_unit();
   std::fprintf(stderr, "unit: %.0f ns (the bars are for 149 ns: here they are %.2f times as long)\n", unit * 1e9,
                unit / timing::reference_unit);
+  std::fprintf(stderr, "a warning about a DEBUG library below is about Debian's Google Benchmark; ours is built with %s\n",
+               GRAPHSOLVE_FLAGS);
   benchmark::AddCustomContext("unit_ns", std::to_string(1e9 * unit));
   benchmark::AddCustomContext("cpu", processor());
   benchmark::AddCustomContext("instruction_set", std::string(name(graphsolve::simd::instruction_set())));

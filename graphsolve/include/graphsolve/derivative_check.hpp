@@ -21,7 +21,9 @@ struct DerivativeReport {
 };
 
 /// All smooth terms of a problem at x: every block of dF/dx, those that are structurally zero included.
-/// Costs one evaluation per unknown: for small problems.
+/// Costs one evaluation per unknown: for small problems. Wires the terms anew: an InteriorPoint that was made before says so
+/// with std::logic_error when it is used again. Throws std::invalid_argument where x has another length than the graph has
+/// rows, and what a term throws when it is wired.
 DerivativeReport check_terms(Problem& problem, std::span<const double> x, double step = 1e-6);
 
 /// What check_port does: rate() is the derivative of u, add_condensed() is J1^T K J2 with the J1 of add_force(). entry(values, i, j)

@@ -32,9 +32,12 @@ struct Inertia {
 
 /// Block LDU of a structurally symmetric matrix with any values, A = (I + L) D (I + U), or block LDL^T of a symmetric
 /// one, in the order of a Symbolic, pivoting inside the diagonal blocks only. Allocates in the constructor, nowhere
-/// else. One per thread; the Symbolic is shared.
+/// else. One per thread, for solves too, which write to memory of their own; the Symbolic is shared. Components are checked:
+/// std::invalid_argument where there is no such component, or one is named twice.
 class Factorization {
  public:
+  /// Values are zero. Throws std::invalid_argument for a null pointer, and where GRAPHSOLVE_SIMD holds a word that is none
+  /// (simd/lanes.hpp).
   explicit Factorization(std::shared_ptr<const Symbolic> symbolic, FactorizationKind kind = FactorizationKind::ldu);
   ~Factorization();
   Factorization(Factorization&&) noexcept;
@@ -46,7 +49,7 @@ class Factorization {
   [[nodiscard]] const Symbolic& symbolic() const;
   [[nodiscard]] FactorizationKind kind() const;
 
-  /// The numbers of the matrix, written through BlockHandles. factorize() overwrites them.
+  /// The numbers of the matrix, symbolic().values_size() of them, written through BlockHandles. factorize() overwrites them.
   [[nodiscard]] std::span<double> values() { return values_; }
   /// An entry of a block.
   [[nodiscard]] double& entry(const BlockHandle& handle, int row = 0, int column = 0) {
@@ -70,7 +73,7 @@ class Factorization {
 
   /// Proximal shift: every saddle row gets this part of what its neighbours added to its diagonal on top, with the
   /// same sign. Bounds what rounding can do where neighbours are very stiff; refine() and Newton iterations take it
-  /// out again. 0 at first: the matrix is factored as it is. No effect on cholesky.
+  /// out again. 0 at first: the matrix is factored as it is; usual are 1e-12 to 1e-8. No effect on cholesky.
   void set_saddle_shift(double relative);
 
   struct Outcome {

@@ -42,7 +42,9 @@ struct Profile {
 /// private unknowns between solves: the next solve starts warm.
 class InteriorPoint {
  public:
-  /// Throws std::invalid_argument where `symbolic` is of another graph, or a setting makes no sense.
+  /// Keeps a reference to the problem, which must live as long and is used by one thread at a time; the Symbolic may be
+  /// shared. Throws std::invalid_argument where `symbolic` is of another graph, or a setting makes no sense, and what a term
+  /// or port throws when it is wired.
   InteriorPoint(Problem& problem, std::shared_ptr<const Symbolic> symbolic, InteriorPointSettings settings = {});
   ~InteriorPoint();
   InteriorPoint(InteriorPoint&&) noexcept;

@@ -17,13 +17,14 @@ class Problem {
   /// The nodes, and those edges whose rank is known; the couplings of terms and ports are added by add().
   explicit Problem(BlockGraph graph);
 
+  /// Throws std::invalid_argument where an instance names no node, or one that is not in the graph.
   void add(Term& term);
-  /// Returns the number of the batch, for InteriorPoint::activate.
+  /// Returns the number of the batch, for InteriorPoint::activate. Throws as for a term.
   int add(PortBatch& ports);
 
   /// Makes residuals comparable: |residual| * scale is what the stopping test reads, one entry per row of the
   /// node. Rows that are not set get one over the diagonal of the matrix where that is positive, else 1.
-  /// Throws std::invalid_argument unless all are numbers > 0.
+  /// Throws std::invalid_argument unless there are as many as the node has rows, and all are numbers > 0.
   void set_row_scale(NodeId node, std::span<const double> scale);
   /// What set_row_scale throws.
   void check_row_scale(NodeId node, std::span<const double> scale) const;

@@ -25,10 +25,11 @@ std::string_view name(Rung rung);
 /// Solves A x = b or says why not: factorization and refinement first; where their backward error is not acceptable,
 /// what Rung lists, one after the other. Never silent: every solve reports its rung, why it was taken and the backward
 /// error of what it hands out. The first rung allocates nothing, but for a first solve of more columns than before, or
-/// with rows left out; the others do, and each costs an analysis of its own the first time.
+/// with rows left out; the others do, and each costs an analysis of its own the first time. One per thread.
 class RobustSolver {
  public:
-  /// x := solution of A x = b for a matrix in compressed columns; false where there is none.
+  /// x := solution of A x = b for a matrix in compressed columns, rows of each in ascending order, numbered as the graph's
+  /// rows are; false where there is none. What it throws comes out of solve().
   struct Matrix {
     int rows = 0;
     std::span<const int> column_begin, row_index;

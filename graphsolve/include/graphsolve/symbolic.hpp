@@ -36,7 +36,9 @@ enum class Packs { on, off };
 class Symbolic {
  public:
   /// Cost O(nodes + blocks of the factor). The components of the graph become contiguous ranges of pivots,
-  /// in the order of connected_components; within each the given order is kept.
+  /// in the order of connected_components; within each the given order is kept. Throws std::invalid_argument where the
+  /// order does not name every node of the graph once, std::length_error beyond 2^31 - 1 blocks of the factor. Nodes and
+  /// pivots that are given to the functions below are not checked.
   Symbolic(const BlockGraph& graph, const Ordering& ordering, Packs packs = Packs::on);
 
   struct Counts {
@@ -84,7 +86,7 @@ class Symbolic {
   [[nodiscard]] std::int64_t values_size() const { return values_size_; }
   [[nodiscard]] Packs packs() const { return packs_; }
 
-  // Plan for the numeric phase.
+  // Plan for the numeric phase: for kernels and terms that read it, without a promise from one version to the next.
   struct Pivot {
     NodeId node;
     int dimension;

@@ -30,16 +30,17 @@ struct CopyResult {
 };
 
 struct BatchRun {
-  long long first = 0, last = 0;  ///< copies first .. last - 1
+  long long first = 0, last = 0;  ///< copies first .. last - 1; none where last <= first
   int steps = 0;                  ///< of each copy
-  int threads = 1;                ///< each has a batch of its own
-  int lanes = 16;                 ///< of each batch
+  int threads = 1;                ///< each has a batch of its own; less than 1 counts as 1
+  int lanes = 16;                 ///< of each batch; less than 1 counts as 1
   SimulatorSettings settings;
-  /// The copy of this number. Called by several threads at once.
+  /// The copy of this number. Called by several threads at once. Required.
   std::function<Mechanism(long long copy)> make;
   /// Asked by every thread before every step; true ends the run. May be unset.
   std::function<bool()> stop;
-  /// One at a time, in order of the copies. False ends the run: no further copy is begun or handed out.
+  /// One at a time, in order of the copies, by whichever thread has finished one. False ends the run: no further copy is
+  /// begun or handed out. Required.
   std::function<bool(CopyResult&&)> on_result;
 };
 

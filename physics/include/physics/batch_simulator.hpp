@@ -17,7 +17,8 @@ namespace physics {
 /// any company, and what a Simulator makes of that scene. Where its gravity is so small that it bounds the tolerance
 /// (loosest_tolerance), or no longer does, it is stepped by itself to be so, without neighbours to share vectors with.
 ///
-/// One per thread. Building one allocates everything; `step` allocates nothing, `load` does.
+/// One per thread. Building one allocates everything; `step` allocates nothing, `load` does. A lane that is not there throws
+/// std::out_of_range. Units as in Simulator: m, rad, s, kg, J.
 class BatchSimulator {
  public:
   /// lanes: how many copies there is room for, >= 1; multiples of 8 fill the vectors. Every lane starts as a copy of the

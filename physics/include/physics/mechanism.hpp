@@ -119,7 +119,7 @@ enum class Start { standard, half_kick };
 struct Mechanism {
   std::string name = {};
   double time_step = 0.01;  ///< [s]
-  Vec3 gravity{0, 0, -9.81};
+  Vec3 gravity{0, 0, -9.81};  ///< [m/s^2]
   Start start = Start::half_kick;
   std::vector<Body> bodies = {};
   std::vector<Joint> joints = {};

@@ -64,7 +64,7 @@ std::string_view step_explanation(graphsolve::Status status);
 /// Outcome of one step. On failure the state is the one before the step.
 struct StepResult {
   graphsolve::Status status = graphsolve::Status::solved;
-  std::string_view cause;  ///< step_explanation(status)
+  std::string_view cause;  ///< step_explanation(status): static text that ends in a zero
   int iterations = 0;      ///< Newton iterations of all substeps
   double residual = 0;     ///< natural residual at the end [m/s]
   int substeps = 1;
