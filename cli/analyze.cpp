@@ -94,13 +94,15 @@ int analyze(const Options& options) {
 
 }  // namespace
 
+std::string ordering_names() {
+  std::string names;
+  for (const OrderingMethod m : ordering_methods()) names += fmt::format("{}{}", names.empty() ? "" : ", ", name(m));
+  return names;
+}
+
 OrderingMethod parse_method(const std::string& text) {
   const auto method = parse_ordering_method(text);
-  if (!method) {
-    std::string known;
-    for (const OrderingMethod m : ordering_methods()) known += fmt::format("{}{}", known.empty() ? "" : ", ", name(m));
-    throw DescriptionError(fmt::format("there is no ordering '{}'; there are: {}", text, known));
-  }
+  if (!method) throw DescriptionError(fmt::format("there is no ordering '{}'; there are: {}", text, ordering_names()));
   if (!available(*method))
     throw DescriptionError(fmt::format("the ordering '{}' needs a package that was missing when graphsolve was built", text));
   return *method;
@@ -115,7 +117,7 @@ Command add_analyze(CLI::App& program) {
       ->type_name("");
   command->add_option("--blocks", options->blocks, "Block map: JSON, or a list of sizes (default: found in the pattern)")
       ->type_name("MAP");
-  command->add_option("--ordering", options->ordering, "all, best, natural, minimum-fill, amd, wide, ...")
+  command->add_option("--ordering", options->ordering, "all, or one of " + ordering_names())
       ->type_name("NAME")
       ->capture_default_str();
   const auto file = [&](const char* name, std::string& path, const char* help) {

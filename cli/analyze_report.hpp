@@ -13,7 +13,9 @@
 /// What `analyze` found, for people and for programs.
 namespace cli {
 
-/// Throws DescriptionError that lists the orderings there are.
+/// Of all there are, "natural, depth-first, ...".
+std::string ordering_names();
+/// Throws DescriptionError that lists them.
 graphsolve::OrderingMethod parse_method(const std::string& text);
 
 struct AnalyzeReport {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -91,7 +92,22 @@ std::string energy_text(const RunSummary& s, const physics::Mechanism& scene) {
   return out;
 }
 
+/// "'trunk' moved (0.75, 0.03, 0) m and turned 3.1 degrees"
+std::string motion_text(const Motion& m) {
+  return fmt::format("'{}' moved ({:.4g}, {:.4g}, {:.4g}) m and turned {:.4g} degrees", m.body, m.moved.x(), m.moved.y(), m.moved.z(),
+                     m.turned * 180 / std::numbers::pi);
+}
+
 }  // namespace
+
+std::optional<Motion> motion(const Report& report) {
+  if (report.start.bodies.empty() || report.end.bodies.empty()) return std::nullopt;
+  const physics::BodyRecord &start = report.start.bodies.front(), &end = report.end.bodies.front();
+  // Quaternions go on without a jump: after a turn theirs has the other sign.
+  const double cosine = start.orientation.coeffs().dot(end.orientation.coeffs());
+  return Motion{report.mechanism.bodies.front().name, end.position - start.position,
+                2 * std::atan2((start.orientation.conjugate() * end.orientation).vec().norm(), cosine)};
+}
 
 std::string for_people(const Report& report) {
   const RunSummary& s = report.result.summary;
@@ -119,6 +135,7 @@ std::string for_people(const Report& report) {
   line(out, "momentum", fmt::format("{} -> {} N s", text(s.momentum_start), text(s.momentum_end)));
   line(out, "angular momentum",
        fmt::format("{} -> {} N m s", text(s.angular_momentum_start), text(s.angular_momentum_end)));
+  if (const auto m = motion(report)) line(out, "first body", motion_text(*m));
   const char* label = "left out";
   for (const std::string& part : left_out(s.size)) line(out, std::exchange(label, ""), part);
   if (s.start_correction > report.tolerance)  // not what rounding leaves

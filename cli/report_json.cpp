@@ -86,6 +86,8 @@ std::string as_json(const Report& report) {
   json["largest_joint_error"] = to_json(s.joint_error);
   json["energy_J"] = {{"start", s.energy_start}, {"end", s.energy_end}};
   json["momentum_N_s"] = {{"start", to_json(s.momentum_start)}, {"end", to_json(s.momentum_end)}};
+  if (const auto m = motion(report))
+    json["first_body"] = {{"name", m->body}, {"moved_m", to_json(m->moved)}, {"turned_rad", m->turned}};
   json["angular_momentum_N_m_s"] = {{"start", to_json(s.angular_momentum_start)},
                                     {"end", to_json(s.angular_momentum_end)}};
   json["problem"] = to_json(s.size);

@@ -63,7 +63,7 @@ void add_options(CLI::App& command, Options& options) {
     return command.add_option(name, value, help)->type_name(type)->group(group);
   };
   CLI::Option* steps = add(length, "--steps", options.steps, "N", "Number of steps")->check(whole_number(0, most));
-  CLI::Option* duration = add(length, "--duration", options.duration, "S", "Simulated time [s]")->check(positive());
+  CLI::Option* duration = add(length, "--duration", options.duration, "S", "Simulated time [s], rounded up to whole steps")->check(positive());
   CLI::Option* from =
       add(length, "--from", options.from, "K", "Continue from record K of a trajectory")->check(whole_number(0, most));
   CLI::Option* time_step = add(physics, "--time-step", options.time_step, "DT", "Time step [s] (default: the scene's)");
@@ -97,13 +97,15 @@ int number_of_steps(const Options& options, const SceneSource& source) {
   if (options.steps) return *options.steps;
   const auto& records = source.trajectory.steps;
   const int first = options.from.value_or(0);
-  if (!options.duration && !records.empty() && records.back().step > first) return records.back().step - first;
+  const bool recorded = !options.duration && !records.empty() && records.back().step > first;
+  if (recorded && !options.time_step) return records.back().step - first;
   const double dt = source.trajectory.mechanism.time_step;
+  const double duration = recorded ? records.back().time : options.duration.value_or(source.duration);
   // A duration that is a multiple of the time step but for rounding is one.
-  const double steps = std::ceil(options.duration.value_or(source.duration) / dt * (1 - 1e-9));
+  const double steps = std::ceil(duration / dt * (1 - 1e-9));
   if (!(steps <= std::numeric_limits<int>::max()))
     throw DescriptionError(fmt::format("a duration of {} s at a time step of {} s is {:.3g} steps, more than {}",
-                                       options.duration.value_or(source.duration), dt, steps,
+                                       duration, dt, steps,
                                        std::numeric_limits<int>::max()));
   return static_cast<int>(steps);
 }
@@ -126,8 +128,10 @@ void copy_records(const physics::Trajectory& trajectory, int last, physics::Traj
     if (record.step <= last) writer.add(record);
 }
 
-int finish(const Options& options, const physics::Simulator& simulator, const physics::RunResult& result, int steps) {
-  const Report report{options.scene, steps, options.tolerance, interrupt(), simulator.mechanism(), result};
+int finish(const Options& options, const physics::Simulator& simulator, const physics::StepRecord& start,
+           const physics::RunResult& result, int steps) {
+  Report report{options.scene, steps, options.tolerance, interrupt(), simulator.mechanism(), result, start, {}};
+  simulator.write_record(report.end);
   std::string text = for_people(report);
   if (!options.out.empty()) text += fmt::format("{:<22} {}\n", "trajectory", options.out);
   write_and_print({{options.summary, options.summary.empty() ? "" : as_json(report)}}, text);
@@ -155,6 +159,8 @@ int simulate(Options options) {
   physics::Simulator simulator = make_simulator(source, options);
   if (from) simulator.restart_from(*from);
   options.tolerance = tolerance_used(options.tolerance, simulator.mechanism());
+  physics::StepRecord start;
+  simulator.write_record(start);
 
   std::optional<physics::TrajectoryWriter> writer;
   physics::RunOptions run_options;
@@ -176,7 +182,7 @@ int simulate(Options options) {
     return physics::run(simulator, steps, run_options);
   }();
   if (writer) writer->commit(result.failure);
-  return finish(options, simulator, result, steps);
+  return finish(options, simulator, start, result, steps);
 }
 
 }  // namespace

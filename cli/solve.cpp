@@ -159,11 +159,11 @@ Command add_solve(CLI::App& program) {
   const auto options = std::make_shared<Options>();
   command->add_option("A.mtx", options->matrix, "The matrix, a Matrix Market file")->required()->type_name("");
   command->add_option("b.mtx", options->right, "Right-hand sides (default: A * ones; of A^T, A^T * ones)")->type_name("");
-  const auto add = [&](const char* name, std::string& value, const char* type, const char* help) {
+  const auto add = [&](const char* name, std::string& value, const char* type, const std::string& help) {
     return command->add_option(name, value, help)->type_name(type);
   };
   add("--blocks", options->blocks, "MAP", "Block map: JSON, or a list of sizes (default: found in the pattern)");
-  add("--ordering", options->ordering, "NAME", "minimum-fill, best, amd, ... (see 'graphsolve analyze')")->capture_default_str();
+  add("--ordering", options->ordering, "NAME", ordering_names())->capture_default_str();
   add("--factorization", options->factorization, "KIND", "auto, ldu, ldlt or cholesky")->capture_default_str();
   add("--out", options->out, "FILE", "The solution, a Matrix Market file; written when solved")->check(file_name());
   command->add_flag("--transposed", options->transposed, "Solve A^T x = b; errors are those of A^T, inertia and what is singular are of A");

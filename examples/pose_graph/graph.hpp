@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -11,6 +12,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "spaces.hpp"
@@ -59,8 +61,9 @@ void check_information(const Matrix& information, const std::string& edge) {
 /// Throws std::runtime_error with file, line and what is wrong there.
 template <class S>
 Graph<S> read_g2o(const std::string& path) {
+  if (std::filesystem::is_directory(path)) throw std::runtime_error(path + ": cannot be read: it is a folder");
   std::ifstream file(path);
-  if (!file || std::filesystem::is_directory(path)) throw std::runtime_error(path + ": cannot be read");
+  if (!file) throw std::runtime_error(path + ": cannot be read: " + std::generic_category().message(errno));
   std::map<long, typename S::Pose> vertices;
   std::map<long, int> number;
   struct Named {

@@ -1,4 +1,6 @@
 #include <nlohmann/json.hpp>
+#include <cmath>
+#include <numbers>
 #include <string>
 
 #include "physics/scene_io.hpp"
@@ -69,6 +71,16 @@ TEST_F(Cli, SimulatesABuiltInSceneAndSaysHowItWent) {
        {"50 of 50 solved", "iterations", "smallest distance", "energy", "momentum", "left out", "us"})
     EXPECT_NE(outcome.out.find(word), std::string::npos) << word << "\n" << outcome.out;
   EXPECT_TRUE(entries().empty());
+}
+
+// The hopper's jump has a full turn, and the box on its slope stays.
+TEST_F(Cli, SaysHowFarTheFirstBodyWent) {
+  ASSERT_EQ(run("simulate hopper --summary hopper.json").code, 0);
+  const nlohmann::json hopper = nlohmann::json::parse(text("hopper.json")).at("first_body");
+  EXPECT_NEAR(hopper.at("turned_rad").get<double>(), 2 * std::numbers::pi, 0.1);
+  const Outcome outcome = run("simulate box_on_slope --summary box.json");
+  EXPECT_NE(outcome.out.find("first body             'box' moved ("), std::string::npos) << outcome.out;
+  for (const double moved : nlohmann::json::parse(text("box.json")).at("first_body").at("moved_m")) EXPECT_LT(std::abs(moved), 1e-9);
 }
 
 TEST_F(Cli, SaysWhereRoundingKeptStepsFromTheTolerance) {
@@ -173,6 +185,8 @@ TEST_F(Cli, TakesAnotherTimeStepAndFrictionModel) {
   ASSERT_EQ(run("simulate disc --time-step 0.005 --friction-model pyramid --steps 2 --out t.json").code, 0);
   const auto trajectory = read_scene(path("t.json"));
   EXPECT_EQ(trajectory.mechanism.time_step, 0.005);
+  // A trajectory is as long at another time step, not as many steps.
+  EXPECT_NE(run("simulate t.json --time-step 0.001").out.find("10 of 10 solved; 0.01 s simulated"), std::string::npos);
   EXPECT_EQ(trajectory.mechanism.contacts[0].friction_model, physics::FrictionModel::pyramid);
 }
 
@@ -247,6 +261,9 @@ TEST_F(Cli, WrongOptionsAreRefusedInOneLine) {
 TEST_F(Cli, WrongScenesAreRefusedInOneLine) {
   EXPECT_NE(refused("simulate nosuch --out t.json").find("no built-in scene 'nosuch'"), std::string::npos);
   EXPECT_NE(refused("simulate nosuch.json").find("nosuch.json: cannot be read: No such"), std::string::npos);
+  write("robot.urdf", "<robot/>");
+  for (const char* name : {"robot.urdf", "nosuch.yaml"})  // not a list of built-in scenes
+    EXPECT_NE(refused(std::string("simulate ") + name).find("a scene file ends in .json or .toml"), std::string::npos) << name;
   if (fs::exists("/dev/zero")) {
     fs::create_symlink("/dev/zero", path("zero.toml"));
     EXPECT_EQ(refused("simulate zero.toml"), "graphsolve: zero.toml:1: holds a zero byte: this is no text\n");

@@ -161,9 +161,10 @@ std::ostream& operator<<(std::ostream& out, const Report& report) {
              "steps", "fail", "substep", "restart", "turned", "it", "max", "dist/m", "joint/m", "cert/bar", "refuted",
              "time/s");
   const auto line = [&](const Count& c) {
-    fmt::print(out, "{:<12}{:>7}{:>8}{:>6}{:>8}{:>8}{:>7}{:>7.2f}{:>7}{:>10.1e}{:>10.1e}{:>9.2g}{:>8}{:>8.2f}\n",
+    fmt::print(out, "{:<12}{:>7}{:>8}{:>6}{:>8}{:>8}{:>7}{:>7.2f}{:>7}{:>10}{:>10.1e}{:>9.2g}{:>8}{:>8.2f}\n",
                c.family, c.scenes, c.steps, c.failures, c.substepped, c.restarted, c.turned,
-               static_cast<double>(c.iterations) / std::max(c.steps, 1), c.most_iterations, c.distance, c.joint_error,
+               static_cast<double>(c.iterations) / std::max(c.steps, 1), c.most_iterations,
+               std::isinf(c.distance) ? "-" : fmt::format("{:.1e}", c.distance), c.joint_error,  // no contacts: no distance
                c.certificate, c.refuted, c.seconds);
   };
   for (const Count& c : report.counts) line(c);
