@@ -16,12 +16,8 @@
 namespace random_loops {
 
 using namespace physics;
+using campaign::direction;
 using campaign::Random;
-
-inline Vec3 direction(Random& random) {
-  const double z = random.uniform(-1, 1), angle = random.uniform(0, 2 * std::numbers::pi), r = std::sqrt(1 - z * z);
-  return {r * std::cos(angle), r * std::sin(angle), z};
-}
 
 /// Joins bodies where they are; the axis in the world.
 inline void join(Mechanism& scene, JointType type, BodyId parent, BodyId child, const Vec3& at, const Vec3& axis) {

@@ -15,8 +15,8 @@
 namespace rubbing {
 
 using namespace physics;
-using random_loops::direction;
 using random_loops::join;
+using campaign::direction;
 using campaign::Random;
 
 /// What every point touches.
@@ -37,16 +37,6 @@ struct Surroundings {
   }
 };
 
-inline Body bar(const std::string& name, const Vec3& size, double mass) {
-  Body body;
-  body.name = name;
-  body.mass = mass;
-  body.shape.type = Shape::Type::box;
-  body.shape.size = size;
-  body.inertia = shape_inertia(body.shape, mass);
-  return body;
-}
-
 inline void add_chain(Mechanism& scene, Surroundings& around, Random& random) {
   const int links = random.integer(1, 8);
   const double length = random.uniform(0.1, 0.5), gap = random.uniform(0.02, 0.3);
@@ -60,7 +50,7 @@ inline void add_chain(Mechanism& scene, Surroundings& around, Random& random) {
   for (int i = 0; i < links; ++i) {
     const Vec3 slant(random.uniform(-0.7, 0.7), random.uniform(-0.7, 0.7), -1);
     const Vec3 lower = upper + length * (walls ? Vec3(-Vec3::UnitZ()) : Vec3(slant.normalized()));
-    Body link = bar("link " + std::to_string(i), {0.03, 0.03, length}, random.logarithmic(0.05, 5));
+    Body link = campaign::box("link " + std::to_string(i), {0.03, 0.03, length}, random.logarithmic(0.05, 5));
     link.position = 0.5 * (upper + lower);
     link.orientation = Quat(Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), upper - lower));
     const BodyId id = scene.add(link);
@@ -85,7 +75,7 @@ inline void add_boxes(Mechanism& scene, Surroundings& around, Random& random) {
   const int boxes = random.integer(1, 3);
   for (int i = 0; i < boxes; ++i) {
     const Vec3 edges(size, size * random.uniform(0.5, 1), size * random.uniform(0.5, 1));
-    Body box = bar("box " + std::to_string(i), edges, random.logarithmic(0.1, 10));
+    Body box = campaign::box("box " + std::to_string(i), edges, random.logarithmic(0.1, 10));
     box.position = {0, 0, (1.2 * i + 0.3) * size};
     box.orientation = Quat(Eigen::AngleAxisd(random.uniform(0, 0.5), direction(random)));
     box.velocity = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-3, 0)};

@@ -256,8 +256,8 @@ TEST(StartVelocities, OfAPlanarLinkageThatIsALittleOpenGoOn) {
     Mechanism scene = exact;
     campaign::Random random(7);
     for (Body& body : scene.bodies) {
-      body.position += open * random_loops::direction(random);
-      body.orientation = Quat(Eigen::AngleAxisd(open, random_loops::direction(random))) * body.orientation;
+      body.position += open * campaign::direction(random);
+      body.orientation = Quat(Eigen::AngleAxisd(open, campaign::direction(random))) * body.orientation;
     }
     EXPECT_LE((velocities(start_of(scene)) - velocities(exact)).norm(), 1e-3) << open;
     EXPECT_LE(Simulator(scene).start_energy_loss(), 1e-3) << open;

@@ -34,6 +34,10 @@ class Random {
   std::uint64_t state_;
 };
 
+physics::Vec3 direction(Random& random);  ///< of length 1, evenly
+/// Its inertia is that of a homogeneous one.
+physics::Body box(const std::string& name, const physics::Vec3& size, double mass);
+
 const std::vector<Family>& families();
 
 /// Scene number `index` of a family.

@@ -21,17 +21,11 @@ double Random::uniform(double low, double high) {
 double Random::logarithmic(double low, double high) { return std::exp(uniform(std::log(low), std::log(high))); }
 int Random::integer(int low, int high) { return low + static_cast<int>(bits() % static_cast<std::uint64_t>(high - low + 1)); }
 
-namespace {
-
 Vec3 direction(Random& random) {
   const double z = random.uniform(-1, 1), angle = random.uniform(0, 2 * std::numbers::pi), r = std::sqrt(1 - z * z);
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
-Quat any_rotation(Random& random) {
-  return Quat(Eigen::AngleAxisd(random.uniform(0, std::numbers::pi), direction(random)));
-}
 
-/// A box; its inertia is that of a homogeneous one.
 Body box(const std::string& name, const Vec3& size, double mass) {
   Body body;
   body.name = name;
@@ -40,6 +34,12 @@ Body box(const std::string& name, const Vec3& size, double mass) {
   body.shape.size = size;
   body.inertia = shape_inertia(body.shape, mass);
   return body;
+}
+
+namespace {
+
+Quat any_rotation(Random& random) {
+  return Quat(Eigen::AngleAxisd(random.uniform(0, std::numbers::pi), direction(random)));
 }
 
 /// A bar along its own z, from `upper` to `lower`.

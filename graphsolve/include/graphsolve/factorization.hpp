@@ -32,8 +32,8 @@ struct Inertia {
 
 /// Block LDU of a structurally symmetric matrix with any values, A = (I + L) D (I + U), or block LDL^T of a symmetric
 /// one, in the order of a Symbolic, pivoting inside the diagonal blocks only. Allocates in the constructor, nowhere
-/// else. One per thread, for solves too, which write to memory of their own; the Symbolic is shared. Components are checked:
-/// std::invalid_argument where there is no such component, or one is named twice.
+/// else. One per thread, for solves too, which write to memory of their own; the Symbolic is shared. Components are checked,
+/// but by set_zero: std::invalid_argument where there is no such component, or one is named twice.
 class Factorization {
  public:
   /// Values are zero. Throws std::invalid_argument for a null pointer, and where GRAPHSOLVE_SIMD holds a word that is none
