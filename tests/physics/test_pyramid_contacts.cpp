@@ -192,6 +192,38 @@ TEST_P(PyramidContactsTest, OfANewStartForgetAStepThatWasNoNumber) {
   start_again(singles);
 }
 
+/// A step that is taken back from far away leaves nothing of what was small but its sign.
+TEST_P(PyramidContactsTest, StayPositiveWhenAStepIsTakenBackFromFarAway) {
+  build(1, 5);
+  const std::vector<int> all{0, 1, 2, 3, 4};
+  const graphsolve::Instances instances{all, component};
+  const std::vector<double> mu{0.1}, scale{2}, ratio{1e9}, none{0}, forth{1}, back{-1};
+  std::vector<double> dx(x.size());
+  for (double& value : dx) value = uniform(-1e20, 1e20);
+  const auto go_and_return = [&](auto& batch) {
+    std::vector<double> rhs(x.size()), residual(x.size()), values(static_cast<std::size_t>(symbolic->values_size()));
+    std::vector<double> error(1), product(1), boundary(1);
+    batch.start_cold(instances, 0.7, scale);
+    batch.evaluate(instances, x, residual, scale, error, product);
+    batch.condense(instances, ratio, values.data());
+    batch.right_hand_side(instances, mu, none, rhs);
+    batch.recover(instances, dx, boundary);
+    batch.accept(instances, forth);
+    batch.accept(instances, back);
+    std::vector<double> sum(1);
+    batch.complementarity(instances, none, sum);
+    EXPECT_GT(sum[0], 0);
+    EXPECT_TRUE(std::isfinite(sum[0]));
+  };
+  go_and_return(packs);
+  go_and_return(singles);
+  for (int i = 0; i < packs.size(); ++i)
+    for (int k = 0; k < 6; ++k) {
+      EXPECT_GT(packs.law(i).copy().z(k), 0) << "contact " << i << ", pair " << k;
+      EXPECT_GT(singles.law(i).z(k), 0) << "contact " << i << ", pair " << k;
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(On, PyramidContactsTest, testing::ValuesIn(graphsolve::simd::instruction_sets()),
                          [](const auto& set) { return std::string(graphsolve::simd::name(set.param)); });
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace graphsolve {
 
@@ -39,8 +40,13 @@ struct Pair {
   [[nodiscard]] double boundary_ratio() const { return std::max(-dz / z, -ds / s); }
   [[nodiscard]] double product(double alpha) const { return (s + alpha * ds) * (z + alpha * dz); }
   void accept(double alpha) {
-    s += alpha * ds;
-    z += alpha * dz;
+    s = moved(s, alpha * ds);
+    z = moved(z, alpha * dz);
+  }
+  /// Stays positive: a step to the boundary, or back (alpha < 0) from a value that had grown by 1e16, leaves of a small one
+  /// nothing but the rounding of the move, which may be 0 or less. A NaN stays one.
+  [[nodiscard]] static double moved(double value, double by) {
+    return std::max(value + by, std::numeric_limits<double>::epsilon() * std::abs(by));
   }
 };
 

@@ -1,5 +1,7 @@
 #include "simd/contact_kernels.hpp"
 
+#include <limits>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "simd/contact_kernels.cpp"
 #include "graphsolve/simd/targets.hpp"
@@ -227,13 +229,18 @@ void Complementarity(ContactTask& task) {
   store(sum, task.out);
 }
 
+/// As Pair::moved; of two numbers, one a NaN, max gives the second.
+Pack moved(const Pack& value, const Pack& by) {
+  return max(Pack(std::numeric_limits<double>::epsilon()) * abs(by), value + by);
+}
+
 void Accept(const ContactTask& task) {
   ContactOctet& o = *task.octet;
   const Keeper keep(task.used);
   const Pack alpha = load(task.first);
   for (int k = 0; k < pairs; ++k) {
-    keep(load(o.s[k]) + alpha * load(o.ds[k]), o.s[k]);
-    keep(load(o.z[k]) + alpha * load(o.dz[k]), o.z[k]);
+    keep(moved(load(o.s[k]), alpha * load(o.ds[k])), o.s[k]);
+    keep(moved(load(o.z[k]), alpha * load(o.dz[k])), o.z[k]);
   }
 }
 
