@@ -77,7 +77,7 @@ int analyze(const Options& options) {
                                      count(report.graph.rows(), "row", "rows"));
     if (report.graph.size() == 0) throw DescriptionError(fmt::format("{}: the scene has nothing that moves", options.source));
   }
-  for (const OrderingMethod method : methods) report.add(method);
+  report.add_all(methods);
   if (report.rows.empty())
     throw DescriptionError(fmt::format("{}: {}; take another ordering, or merge rows into blocks", options.source,
                                        report.left_out.front()));

@@ -30,6 +30,17 @@ std::int64_t edges_of(const BlockGraph& graph) {
   return ends / 2;
 }
 
+/// Sloan's method renews what a block's neighbours are worth whenever one of them comes or goes.
+bool makes_sloan_slow(const BlockGraph& graph) {
+  constexpr double most = 1e8;  // about two seconds
+  double work = 0;
+  for (int v = 0; v < graph.size(); ++v) {
+    const auto degree = static_cast<double>(graph.edges({v}).size());
+    work += degree * degree;
+  }
+  return work > most;
+}
+
 std::string bytes(std::int64_t n) {
   const double value = static_cast<double>(n);
   if (value < 1e6) return fmt::format("{} kB", number(value / 1e3));
@@ -37,6 +48,15 @@ std::string bytes(std::int64_t n) {
 }
 
 }  // namespace
+
+void AnalyzeReport::add_all(std::span<const OrderingMethod> methods) {
+  for (const OrderingMethod method : methods) {
+    if (methods.size() > 1 && method == OrderingMethod::sloan && makes_sloan_slow(graph))
+      left_out.push_back("sloan: left out, it takes long where blocks have many neighbours; --ordering sloan waits for it");
+    else
+      add(method);
+  }
+}
 
 void AnalyzeReport::add(OrderingMethod method) {
   Row row{method, {}, nullptr};

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,8 @@ struct AnalyzeReport {
   std::vector<Row> rows = {};
   std::vector<std::string> left_out = {};  ///< a sentence each
 
+  /// Of several methods one that takes very long on this graph goes to `left_out`.
+  void add_all(std::span<const graphsolve::OrderingMethod> methods);
   /// An ordering with more fill than memory is good for goes to `left_out` instead.
   void add(graphsolve::OrderingMethod method);
   /// Attributes the fill of the best ordering.
