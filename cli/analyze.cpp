@@ -53,6 +53,15 @@ std::string tree_file(const std::string& path) {
   return dot ? path.substr(0, path.size() - 4) + "-tree.dot" : path + "-tree.dot";
 }
 
+BlockGraph graph_of(const std::string& scene) {
+  const physics::Mechanism mechanism = load_scene(scene).trajectory.mechanism;
+  try {
+    return physics::Simulator(mechanism).graph();
+  } catch (const DescriptionError& error) {
+    throw about_scene(scene, error);
+  }
+}
+
 int analyze(const Options& options) {
   const std::vector<OrderingMethod> methods = chosen_methods(options.ordering);
   const std::string tree = options.dot.empty() ? "" : tree_file(options.dot);
@@ -72,7 +81,7 @@ int analyze(const Options& options) {
     for (const auto& [option, file] : {std::pair("--blocks", options.blocks), std::pair("--write-blocks", options.write_blocks)})
       if (!file.empty())
         throw DescriptionError(fmt::format("{} needs a matrix (.mtx), and '{}' is a scene", option, options.source));
-    report.graph = physics::Simulator(load_scene(options.source).trajectory.mechanism).graph();
+    report.graph = graph_of(options.source);
     report.description = fmt::format("a scene: {}, {} in all", count(report.graph.size(), "block", "blocks"),
                                      count(report.graph.rows(), "row", "rows"));
     if (report.graph.size() == 0) throw DescriptionError(fmt::format("{}: the scene has nothing that moves", options.source));

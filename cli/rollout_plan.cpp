@@ -39,7 +39,11 @@ RolloutRequest make_request(const RolloutOptions& options) {
                          .tolerance = options.tolerance,
                          .seed = options.seed,
                          .variations = {}};
-  physics::validate(request.mechanism);
+  try {
+    physics::validate(request.mechanism);
+  } catch (const DescriptionError& error) {
+    throw about_scene(options.scene, error);
+  }
   for (const std::string& text : options.vary) {
     const auto& v = request.variations.emplace_back(physics::parse_variation(text));
     for (std::size_t i = 0; i + 1 < request.variations.size(); ++i)

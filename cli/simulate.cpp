@@ -118,7 +118,9 @@ physics::Simulator make_simulator(const SceneSource& source, const Options& opti
   try {
     return physics::Simulator(source.trajectory.mechanism, settings);
   } catch (const DescriptionError& error) {
-    throw DescriptionError(fmt::format("{}: {}", options.scene, error.what()));
+    // What the command line has changed stands in no line of the file.
+    const bool changed = options.time_step && error.place() == "time_step";
+    throw about_scene(options.scene, changed ? DescriptionError(error.what()) : error);
   }
 }
 
@@ -159,6 +161,7 @@ int simulate(Options options) {
   physics::Simulator simulator = make_simulator(source, options);
   if (from) simulator.restart_from(*from);
   options.tolerance = tolerance_used(options.tolerance, simulator.mechanism());
+  note_coarse_step(simulator.mechanism());
   physics::StepRecord start;
   simulator.write_record(start);
 

@@ -1,4 +1,5 @@
 #include <nlohmann/json.hpp>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -273,7 +274,30 @@ TEST_F(Cli, WrongScenesAreRefusedInOneLine) {
   write("b.toml",
         "format = \"graphsolve-scene\"\nversion = 1\ntime_step = 0.01\n"
         "[[bodies]]\nname = \"disc\"\nmass = -1\ninertia = [1, 1, 1]\n");
-  EXPECT_EQ(refused("simulate b.toml --out t.json"), "graphsolve: b.toml: body 'disc': mass -1 kg is not > 0\n");
+  EXPECT_EQ(refused("simulate b.toml --out t.json"), "graphsolve: b.toml:6: body 'disc': mass -1 kg is not > 0\n");
+  EXPECT_EQ(refused("rollout b.toml --copies 2 --steps 1"), "graphsolve: b.toml:6: body 'disc': mass -1 kg is not > 0\n");
+  EXPECT_EQ(refused("analyze b.toml"), "graphsolve: b.toml:6: body 'disc': mass -1 kg is not > 0\n");
+}
+
+TEST_F(Cli, EmptySceneFilesAreSaidToBeEmpty) {
+  for (const std::string name : {"empty.json", "empty.toml"}) {
+    write(name, "");
+    EXPECT_EQ(refused("simulate " + name),
+              "graphsolve: " + name + ": is empty; a scene has at least the keys format, version, time_step and bodies\n");
+  }
+}
+
+TEST_F(Cli, AWrongValueOfARecordIsNamedWithItsLine) {
+  ASSERT_EQ(run("simulate box_on_slope --steps 2 --out t.json").code, 0);
+  std::string trajectory = text("t.json");
+  const auto last = trajectory.rfind("\"orientation\"");
+  ASSERT_NE(last, trajectory.npos);
+  const auto open = trajectory.find('[', last);
+  trajectory.replace(open, trajectory.find(']', last) - open, "[9, 0, 0, 0");
+  const auto line = 1 + std::count(trajectory.begin(), trajectory.begin() + static_cast<std::ptrdiff_t>(last), '\n');
+  write("t.json", trajectory);
+  const std::string error = refused("simulate t.json --from 2 --steps 1");
+  EXPECT_TRUE(error.starts_with("graphsolve: t.json:" + std::to_string(line) + ": record 2: body ")) << error;
 }
 
 TEST_F(Cli, TextsOfFilesAreQuotedInOneLineWithoutWhatATerminalObeys) {

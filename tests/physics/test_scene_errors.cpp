@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <random>
 #include <string>
 
@@ -50,10 +51,18 @@ TEST(SceneErrors, AGoodSceneHasNone) {
 
 TEST(SceneErrors, SyntaxErrorsNameLineAndColumn) {
   EXPECT_EQ(json_error("{\n  \"format\": oops\n}").substr(0, 34), "s.json:2:13: syntax error while pa");
-  EXPECT_EQ(json_error("").substr(0, 25), "s.json:1:1: syntax error ");
   EXPECT_EQ(json_error(scene("\"bodies\": []") + " more").substr(0, 13), "s.json:2:15: ");
   EXPECT_EQ(json_error("{\"time_step\": 1e999}").substr(0, 50), "s.json:1:19: number overflow parsing '1e999'");
   EXPECT_EQ(toml_error("format = \"graphsolve-scene\"\nversion = = 1\n").substr(0, 13), "s.toml:2:11: ");
+}
+
+TEST(SceneErrors, AnEmptyFileIsSaidToBeOneInEitherSpelling) {
+  const std::string rest = ": is empty; a scene has at least the keys format, version, time_step and bodies";
+  for (const char* text : {"", "\n", " \r\n\t"}) {
+    EXPECT_EQ(json_error(text), "s.json" + rest);
+    EXPECT_EQ(toml_error(text), "s.toml" + rest);
+  }
+  EXPECT_EQ(toml_error("# nothing yet\n"), "s.toml:1: key 'format' is missing");
 }
 
 TEST(SceneErrors, AKeyGivenTwiceIsAnError) {
@@ -189,6 +198,40 @@ TEST(SceneErrors, RecordsThatDoNotFitTheSceneAreNamed) {
   EXPECT_EQ(steps(R"({"step": 0, "bodies": []})"), "s.json:4: steps[0]: key 'time' is missing");
   const std::string three = R"({"step": 3, "time": 0, "bodies": [)" + body + "]}";
   EXPECT_EQ(steps(three + ",\n" + three), "s.json:5: steps[1]: step 3 follows step 3");
+}
+
+class LinesOfPlaces : public testing::Test {
+ protected:
+  void TearDown() override {
+    for (const std::string& file : files_) std::filesystem::remove(file);
+  }
+  std::string file(const std::string& name, const std::string& text) {
+    files_.push_back((std::filesystem::path(testing::TempDir()) / name).string());
+    std::ofstream(files_.back()) << text;
+    return files_.back();
+  }
+
+ private:
+  std::vector<std::string> files_;
+};
+
+TEST_F(LinesOfPlaces, AreThoseOfTheValueOrOfWhatWouldHoldIt) {
+  const std::string toml = file("graphsolve_places.toml",
+                                "time_step = 0.01\n[[bodies]]\nname = 'a'\n\n[[bodies]]\nname = 'b'\n"
+                                "shape = { size = [1,\n 1, 1] }\n[[joints]]\nmotor.limit = 1\nmotor.damping = 2\n");
+  EXPECT_EQ(line_in_scene(toml, "time_step"), 1);
+  EXPECT_EQ(line_in_scene(toml, "bodies[1].mass"), 5) << "left out";
+  EXPECT_EQ(line_in_scene(toml, "bodies[1].shape.size"), 7);
+  EXPECT_EQ(line_in_scene(toml, "bodies[1].shape.size[2]"), 8);
+  EXPECT_EQ(line_in_scene(toml, "joints[0].motor.damping"), 11);
+  const std::string json =
+      file("graphsolve_places.json", "{\"time_step\":\n0.01, \"bodies\": [{},\n{\"shape\": {\"size\": [1,\n2, 3]}}]}");
+  EXPECT_EQ(line_in_scene(json, "time_step"), 2);
+  EXPECT_EQ(line_in_scene(json, "bodies[1].shape.size[1]"), 4);
+  EXPECT_EQ(line_in_scene(json, "bodies[1].inertia"), 3) << "left out";
+  EXPECT_EQ(line_in_scene(json, "bodies[7].mass"), 2) << "no such body";
+  EXPECT_EQ(line_in_scene(json, "time_step.unit[3]"), 2);
+  EXPECT_EQ(line_in_scene(json, ""), 1);
 }
 
 TEST(SceneErrors, ADamagedFileIsReadOrRefusedAndNothingElse) {

@@ -63,12 +63,41 @@ std::string message(const std::function<void(Mechanism&)>& change) {
 
 #define CHANGE(statement) [](Mechanism& scene) { statement; }
 
+/// Where the wrong value stands in a scene file.
+std::string place(const std::function<void(Mechanism&)>& change) {
+  Mechanism scene = good_scene();
+  change(scene);
+  try {
+    validate(scene);
+  } catch (const DescriptionError& error) {
+    return error.place();
+  }
+  return "nothing is wrong";
+}
+
 TEST(Validate, AcceptsAGoodScene) { EXPECT_EQ(message(CHANGE((void)scene)), ""); }
 
 TEST(Validate, NamesTheTimeStep) {
   EXPECT_EQ(message(CHANGE(scene.time_step = 0)), "scene: time step 0 s is not > 0");
   EXPECT_EQ(message(CHANGE(scene.time_step = nan)), "scene: time step nan s is not > 0");
   EXPECT_EQ(message(CHANGE(scene.time_step = infinity)), "scene: time step inf s is not finite");
+}
+
+TEST(Validate, ErrorsKnowThePlaceInAFile) {
+  EXPECT_EQ(place(CHANGE(scene.time_step = 0)), "time_step");
+  EXPECT_EQ(place(CHANGE(scene.gravity.x() = nan)), "gravity");
+  EXPECT_EQ(place(CHANGE(scene.bodies[1].name = "disc")), "bodies[1].name");
+  EXPECT_EQ(place(CHANGE(scene.bodies[0].name = "world")), "bodies[0].name");
+  EXPECT_EQ(place(CHANGE(scene.bodies[1].mass = 0)), "bodies[1].mass");
+  EXPECT_EQ(place(CHANGE(scene.bodies[1].inertia.setZero())), "bodies[1].inertia");
+  EXPECT_EQ(place(CHANGE(scene.bodies[0].angular_velocity.x() = 1e4)), "bodies[0].angular_velocity");
+  EXPECT_EQ(place(CHANGE(scene.bodies[0].shape.type = Shape::Type::sphere)), "bodies[0].shape.radius");
+  EXPECT_EQ(place(CHANGE(scene.joints[0].parent_point.x() = nan)), "joints[0].parent_point");
+  EXPECT_EQ(place(CHANGE(scene.joints[1].child = world)), "joints[1].child");
+  EXPECT_EQ(place(CHANGE(scene.joints[0].motor->target = SineTarget{.phase = nan})), "joints[0].motor.target.phase");
+  EXPECT_EQ(place(CHANGE(scene.joints[0].motor->target = TableTarget({{0, 1}, {0, 1}}))), "joints[0].motor.target[1]");
+  EXPECT_EQ(place(CHANGE(scene.contacts[0].friction = -1)), "contacts[0].friction");
+  EXPECT_EQ(place(CHANGE(scene.loads[0].first_step = 0)), "loads[0].steps[0]");
 }
 
 TEST(Validate, NamesGravity) {
@@ -173,12 +202,12 @@ TEST(Validate, SaysWhichTimeStepASpinNeeds) {
 TEST(Validate, NamesAWrongShape) {
   const auto with = [](Shape shape) { return message([shape](Mechanism& scene) { scene.bodies[0].shape = shape; }); };
   using enum Shape::Type;
-  EXPECT_EQ(with({.type = sphere, .file = ""}), "body 'disc': radius of its shape 0 m is not > 0");
+  EXPECT_EQ(with({.type = sphere, .file = ""}), "body 'disc': shape radius 0 m is not > 0");
   EXPECT_EQ(with({.type = cylinder, .radius = 1, .height = -2, .file = ""}),
-            "body 'disc': height of its shape -2 m is not > 0");
+            "body 'disc': shape height -2 m is not > 0");
   EXPECT_EQ(with({.type = box, .size = Vec3(1, 0, 1), .file = ""}),
-            "body 'disc': size (1, 0, 1) m of its shape is not > 0");
-  EXPECT_EQ(with({.type = mesh, .file = ""}), "body 'disc': file of its shape is empty");
+            "body 'disc': shape size (1, 0, 1) m is not > 0");
+  EXPECT_EQ(with({.type = mesh, .file = ""}), "body 'disc': shape file is empty");
 }
 
 TEST(Validate, NamesAWrongAxis) {

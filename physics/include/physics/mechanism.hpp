@@ -18,7 +18,15 @@ namespace physics {
 /// A wrong description. The message is one sentence that names the thing and the value.
 class DescriptionError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  /// place: see there.
+  explicit DescriptionError(const std::string& message, std::string place = {})
+      : std::runtime_error(message), place_(std::move(place)) {}
+  /// Of the wrong value in a scene file, "bodies[2].mass", where `validate` has found it; else empty. `line_in_scene`
+  /// (scene_io.hpp) tells the line.
+  [[nodiscard]] const std::string& place() const { return place_; }
+
+ private:
+  std::string place_;
 };
 
 /// Index of a body in Mechanism::bodies; the default is the world.
@@ -141,7 +149,7 @@ Mat3 shape_inertia(const Shape& shape, double mass);
 
 /// Checks everything a simulation relies on (unique names, masses, inertias, axes, quaternions, points,
 /// indices, |w| dt < 1.9, ...) and normalises quaternions within 1e-6 of unit.
-/// Throws DescriptionError: "revolute joint 'knee': axis has length 0".
+/// Throws DescriptionError: "revolute joint 'knee': axis has length 0", of the place "joints[0].axis".
 void validate(Mechanism& mechanism);
 
 }  // namespace physics

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <iosfwd>
 #include <memory>
 #include <optional>
@@ -11,7 +12,8 @@
 /// Scene and trajectory files, format `graphsolve-scene` version 1: JSON, or TOML for people.
 ///
 /// Reading checks the schema only: keys, kinds of values, names of bodies. What the values must satisfy is checked
-/// by `validate`, which the Simulator calls, so that a reader may still change them (a shorter time step, say).
+/// by `validate`, which the Simulator calls, so that a reader may still change them (a shorter time step, say); its
+/// errors have a place, whose line `line_in_scene` finds.
 ///
 /// Errors are DescriptionErrors that say where: "scene.json:14:9: syntax error ..." or
 /// "scene.json:14: bodies[2].mass: is a string, expected a number".
@@ -26,6 +28,10 @@ Trajectory read_scene(const std::string& path);
 /// The same from text; `file_name` is what errors call it.
 Trajectory parse_scene_json(std::string_view text, std::string_view file_name = "scene.json");
 Trajectory parse_scene_toml(std::string_view text, std::string_view file_name = "scene.toml");
+
+/// Line, from 1, of the value at a place, "bodies[2].mass" (DescriptionError::place), in a scene file, which is read
+/// again; of what would hold it where the file leaves it out. Throws as read_scene does.
+std::int64_t line_in_scene(const std::string& path, std::string_view place);
 
 void write_scene_json(const Mechanism& mechanism, std::ostream& out);
 void write_trajectory_json(const Trajectory& trajectory, std::ostream& out);

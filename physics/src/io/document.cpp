@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <charconv>
+
 namespace physics::io {
 
 namespace {
@@ -36,6 +39,26 @@ std::string text(const std::vector<PathStep>& path) {
     }
   }
   return result;
+}
+
+const Json& node_at(const Json& root, std::string_view path) {
+  const Json* at = &root;
+  while (!path.empty()) {
+    const std::size_t end = std::min(path.find_first_of(".[", 1), path.size());
+    const std::string_view step = path.substr(0, end);
+    path.remove_prefix(end);
+    if (step[0] == '[') {
+      std::size_t index = 0;
+      std::from_chars(step.data() + 1, step.data() + step.size(), index);
+      if (!at->is_array() || index >= at->size()) break;
+      at = &(*at)[index];
+    } else {
+      const auto found = at->find(step.substr(step[0] == '.' ? 1 : 0));  // of no object: not found
+      if (found == at->end()) break;
+      at = &*found;
+    }
+  }
+  return *at;
 }
 
 }  // namespace physics::io

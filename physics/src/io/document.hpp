@@ -34,5 +34,7 @@ using graphsolve::io::PathStep;
 std::vector<PathStep> path_to(const Json& root, const Json& node);
 /// "bodies[2].mass"; empty for the root.
 std::string text(const std::vector<PathStep>& path);
+/// The node that such a text names, as far as the way goes; keys without dots and brackets.
+const Json& node_at(const Json& root, std::string_view path);
 
 }  // namespace physics::io

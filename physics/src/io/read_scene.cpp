@@ -34,22 +34,44 @@ std::string read_file(const std::string& path) {
   }
 }
 
+using Parser = io::Document (*)(std::string_view text, std::string_view file);
+
+/// By the ending.
+Parser parser_for(const std::string& path) {
+  if (path.ends_with(".json")) return io::parse_json;
+  if (path.ends_with(".toml")) return io::parse_toml;
+  throw DescriptionError(fmt::format("cannot read '{}': a scene file ends in .json or .toml", path));
+}
+
+/// A file without a word is a slip, such as a redirection of what failed, and no syntax error in either spelling.
+io::Document parse(std::string_view text, std::string_view file, Parser parser) {
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos)
+    throw DescriptionError(
+        fmt::format("{}: is empty; a scene has at least the keys format, version, time_step and bodies", file));
+  return parser(text, file);
+}
+
 }  // namespace
 
 Trajectory parse_scene_json(std::string_view text, std::string_view file_name) {
-  return read_document(io::parse_json(text, file_name), file_name);
+  return read_document(parse(text, file_name, io::parse_json), file_name);
 }
 
 Trajectory parse_scene_toml(std::string_view text, std::string_view file_name) {
-  return read_document(io::parse_toml(text, file_name), file_name);
+  return read_document(parse(text, file_name, io::parse_toml), file_name);
 }
 
 Trajectory read_scene(const std::string& path) {
-  const bool json = path.ends_with(".json");
-  if (!json && !path.ends_with(".toml"))
-    throw DescriptionError(fmt::format("cannot read '{}': a scene file ends in .json or .toml", path));
+  const auto parser = parser_for(path);
   const std::string text = read_file(path);
-  return json ? parse_scene_json(text, path) : parse_scene_toml(text, path);
+  return read_document(parse(text, path, parser), path);
+}
+
+std::int64_t line_in_scene(const std::string& path, std::string_view place) {
+  const auto parser = parser_for(path);
+  const std::string text = read_file(path);
+  const io::Document document = parse(text, path, parser);
+  return document.line_of(document.root, io::node_at(document.root, place));
 }
 
 }  // namespace physics

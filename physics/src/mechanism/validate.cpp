@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 #include <unordered_set>
@@ -18,26 +19,47 @@ constexpr int most_directions = 1024;       ///< the cost of a contact grows wit
 constexpr double largest_friction = 1000;   ///< as in the built-in scenes; iterations run out where it wedges
 constexpr double largest_turn = 1.9;        ///< |w| dt; the update of a quaternion ends at 2
 
+/// A part of the scene: what errors call it, and where it stands in a scene file.
+struct Thing {
+  std::string name, place;
+};
+
 template <class... Arguments>
-[[noreturn]] void fail(fmt::format_string<Arguments...> text, Arguments&&... arguments) {
-  throw DescriptionError(fmt::format(text, std::forward<Arguments>(arguments)...));
+[[noreturn]] void fail_at(const std::string& place, fmt::format_string<Arguments...> text, Arguments&&... arguments) {
+  throw DescriptionError(fmt::format(text, std::forward<Arguments>(arguments)...), place);
+}
+
+/// key: of the value, as in a scene file, "motor.target.phase"; empty: the thing as a whole.
+template <class... Arguments>
+[[noreturn]] void fail(const Thing& thing, std::string_view key, fmt::format_string<Arguments...> text,
+                       Arguments&&... arguments) {
+  const std::string_view dot = thing.place.empty() || key.empty() ? "" : ".";
+  fail_at(fmt::format("{}{}{}", thing.place, dot, key), "{}: {}", thing.name,
+          fmt::format(text, std::forward<Arguments>(arguments)...));
+}
+
+/// A key as a sentence has it, "motor target phase".
+std::string words(std::string_view key) {
+  std::string result(key);
+  std::ranges::replace_if(result, [](char c) { return c == '.' || c == '_'; }, ' ');
+  return result;
 }
 
 std::string text(const Vec3& v) { return fmt::format("({:g}, {:g}, {:g})", v.x(), v.y(), v.z()); }
 
-void check_finite(std::string_view thing, std::string_view key, double value) {
-  if (!std::isfinite(value)) fail("{}: {} {} is not finite", thing, key, value);
+void check_finite(const Thing& thing, std::string_view key, double value) {
+  if (!std::isfinite(value)) fail(thing, key, "{} {} is not finite", words(key), value);
 }
-void check_finite(std::string_view thing, std::string_view key, const Vec3& value) {
-  if (!value.allFinite()) fail("{}: {} {} is not finite", thing, key, text(value));
+void check_finite(const Thing& thing, std::string_view key, const Vec3& value) {
+  if (!value.allFinite()) fail(thing, key, "{} {} is not finite", words(key), text(value));
 }
-void check_positive(std::string_view thing, std::string_view key, double value, std::string_view unit) {
-  if (!(value > 0)) fail("{}: {} {} {} is not > 0", thing, key, value, unit);
-  if (std::isinf(value)) fail("{}: {} {} {} is not finite", thing, key, value, unit);
-  if (!std::isnormal(value)) fail("{}: {} {} {} is so small that its digits are lost", thing, key, value, unit);
+void check_positive(const Thing& thing, std::string_view key, double value, std::string_view unit) {
+  if (!(value > 0)) fail(thing, key, "{} {} {} is not > 0", words(key), value, unit);
+  if (std::isinf(value)) fail(thing, key, "{} {} {} is not finite", words(key), value, unit);
+  if (!std::isnormal(value)) fail(thing, key, "{} {} {} is so small that its digits are lost", words(key), value, unit);
 }
-void check_not_negative(std::string_view thing, std::string_view key, double value) {
-  if (!(value >= 0)) fail("{}: {} {} is not >= 0", thing, key, value);
+void check_not_negative(const Thing& thing, std::string_view key, double value) {
+  if (!(value >= 0)) fail(thing, key, "{} {} is not >= 0", words(key), value);
   check_finite(thing, key, value);
 }
 
@@ -47,19 +69,20 @@ void normalise(Vector& v, double length) {
   if (std::abs(length - 1) > 4 * std::numeric_limits<double>::epsilon()) v /= length;
 }
 
-void check_unit(std::string_view thing, std::string_view key, Quat& q) {
-  if (!q.coeffs().allFinite()) fail("{}: {} is not finite", thing, key);
+void check_unit(const Thing& thing, std::string_view key, Quat& q) {
+  if (!q.coeffs().allFinite()) fail(thing, key, "{} is not finite", key);
   const double length = q.coeffs().stableNorm();
   if (std::abs(length - 1) > unit_tolerance)
-    fail("{}: {} [{:g}, {:g}, {:g}, {:g}] has length {:.9g}, not 1", thing, key, q.w(), q.x(), q.y(), q.z(), length);
+    fail(thing, key, "{} [{:g}, {:g}, {:g}, {:g}] has length {:.9g}, not 1", key, q.w(), q.x(), q.y(), q.z(), length);
   normalise(q.coeffs(), length);
 }
 
-void check_unit(std::string_view thing, std::string_view key, Vec3& v) {
+void check_unit(const Thing& thing, std::string_view key, Vec3& v) {
   check_finite(thing, key, v);
   const double length = v.stableNorm();
-  if (length == 0) fail("{}: {} has length 0", thing, key);
-  if (std::abs(length - 1) > unit_tolerance) fail("{}: {} {} has length {:.9g}, not 1", thing, key, text(v), length);
+  if (length == 0) fail(thing, key, "{} has length 0", key);
+  if (std::abs(length - 1) > unit_tolerance)
+    fail(thing, key, "{} {} has length {:.9g}, not 1", key, text(v), length);
   normalise(v, length);
 }
 
@@ -68,8 +91,9 @@ class Names {
  public:
   Names(std::string_view one, std::string_view many) : one_(one), many_(many) {}
   void add(const std::string& name, std::size_t index) {
-    if (name.empty()) fail("{} {} has no name", one_, index);
-    if (!seen_.insert(name).second) fail("there are two {} called '{}'", many_, name);
+    const auto place = [&] { return fmt::format("{}[{}].name", many_, index); };
+    if (name.empty()) fail_at(place(), "{} {} has no name", one_, index);
+    if (!seen_.insert(name).second) fail_at(place(), "there are two {} called '{}'", many_, name);
   }
 
  private:
@@ -77,14 +101,15 @@ class Names {
   std::unordered_set<std::string_view> seen_;
 };
 
-void check_inertia(std::string_view thing, Mat3& inertia) {
-  if (!inertia.allFinite()) fail("{}: inertia is not finite", thing);
+void check_inertia(const Thing& thing, Mat3& inertia) {
+  constexpr const char* key = "inertia";
+  if (!inertia.allFinite()) fail(thing, key, "inertia is not finite");
   const double scale = inertia.cwiseAbs().maxCoeff();
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < row; ++column) {
       const double lower = inertia(row, column), upper = inertia(column, row);
       if (std::abs(upper - lower) > inertia_tolerance * scale)
-        fail("{}: inertia is not symmetric ([{}][{}] is {:g}, [{}][{}] is {:g})", thing, row, column, lower, column,
+        fail(thing, key, "inertia is not symmetric ([{}][{}] is {:g}, [{}][{}] is {:g})", row, column, lower, column,
              row, upper);
       inertia(row, column) = inertia(column, row) = 0.5 * (upper + lower);
     }
@@ -97,44 +122,45 @@ void check_inertia(std::string_view thing, Mat3& inertia) {
     rounding = 4 * std::numeric_limits<double>::epsilon() * scale;
   }
   if (!(moments.minCoeff() > rounding))
-    fail("{}: inertia is not positive definite (principal moments {} kg m^2)", thing, text(moments));
+    fail(thing, key, "inertia is not positive definite (principal moments {} kg m^2)", text(moments));
   if (!std::isnormal(moments.minCoeff()))
-    fail("{}: inertia is so small that its digits are lost (principal moments {} kg m^2)", thing, text(moments));
+    fail(thing, key, "inertia is so small that its digits are lost (principal moments {} kg m^2)", text(moments));
   const double largest = moments.maxCoeff(), others = moments.sum() - largest;
   if (others < largest * (1 - inertia_tolerance))
-    fail("{}: inertia violates the triangle inequality (principal moments {} kg m^2: the smaller two add up to {:g})",
-         thing, text(moments), others);
+    fail(thing, key,
+         "inertia violates the triangle inequality (principal moments {} kg m^2: the smaller two add up to {:g})",
+         text(moments), others);
 }
 
-void check_shape(std::string_view thing, const Shape& shape) {
+void check_shape(const Thing& thing, const Shape& shape) {
   using enum Shape::Type;
   if (shape.type == sphere || shape.type == cylinder || shape.type == capsule)
-    check_positive(thing, "radius of its shape", shape.radius, "m");
-  if (shape.type == cylinder || shape.type == capsule) check_positive(thing, "height of its shape", shape.height, "m");
+    check_positive(thing, "shape.radius", shape.radius, "m");
+  if (shape.type == cylinder || shape.type == capsule) check_positive(thing, "shape.height", shape.height, "m");
   if (shape.type == box && !(shape.size.allFinite() && shape.size.minCoeff() > 0))
-    fail("{}: size {} m of its shape is not > 0", thing, text(shape.size));
-  if (shape.type == mesh && shape.file.empty()) fail("{}: file of its shape is empty", thing);
+    fail(thing, "shape.size", "shape size {} m is not > 0", text(shape.size));
+  if (shape.type == mesh && shape.file.empty()) fail(thing, "shape.file", "shape file is empty");
 }
 
-void check_body(Body& body, double time_step) {
-  const std::string thing = fmt::format("body '{}'", body.name);
+void check_body(Body& body, std::size_t index, double time_step) {
+  const Thing thing{fmt::format("body '{}'", body.name), fmt::format("bodies[{}]", index)};
   check_positive(thing, "mass", body.mass, "kg");
   check_inertia(thing, body.inertia);
   check_finite(thing, "position", body.position);
   check_unit(thing, "orientation", body.orientation);
   check_finite(thing, "velocity", body.velocity);
-  check_finite(thing, "angular velocity", body.angular_velocity);
+  check_finite(thing, "angular_velocity", body.angular_velocity);
   const double spin = body.angular_velocity.stableNorm();
   if (!(spin * time_step < largest_turn))
-    fail("{}: spins at {:g} rad/s; |w| dt = {:g} must be < {}: use a time step below {:.3g} s", thing, spin,
-         spin * time_step, largest_turn, largest_turn / spin);
+    fail(thing, "angular_velocity", "spins at {:g} rad/s; |w| dt = {:g} must be < {}: use a time step below {:.3g} s",
+         spin, spin * time_step, largest_turn, largest_turn / spin);
   check_shape(thing, body.shape);
 }
 
 /// Index of an existing body, or the world where that is allowed.
-void check_body_id(const Mechanism& mechanism, std::string_view thing, std::string_view key, BodyId id) {
+void check_body_id(const Mechanism& mechanism, const Thing& thing, std::string_view key, BodyId id) {
   if (id.index >= static_cast<int>(mechanism.bodies.size()))
-    fail("{}: {} {} is not a body (the scene has {}, counted from 0)", thing, key, id.index, mechanism.bodies.size());
+    fail(thing, key, "{} {} is not a body (the scene has {}, counted from 0)", key, id.index, mechanism.bodies.size());
 }
 
 std::string_view name_of(JointType type) {
@@ -151,90 +177,92 @@ std::string_view name_of(JointType type) {
   return "unknown";
 }
 
-void check_motor(std::string_view thing, const Motor& motor) {
-  check_not_negative(thing, "motor stiffness", motor.stiffness);
-  check_not_negative(thing, "motor damping", motor.damping);
-  if (!(motor.limit > 0)) fail("{}: motor limit {} is not > 0", thing, motor.limit);
-  if (const auto* value = std::get_if<double>(&motor.target)) check_finite(thing, "motor target", *value);
+void check_motor(const Thing& thing, const Motor& motor) {
+  check_not_negative(thing, "motor.stiffness", motor.stiffness);
+  check_not_negative(thing, "motor.damping", motor.damping);
+  if (!(motor.limit > 0)) fail(thing, "motor.limit", "motor limit {} is not > 0", motor.limit);
+  if (const auto* value = std::get_if<double>(&motor.target)) check_finite(thing, "motor.target", *value);
   if (const auto* sine = std::get_if<SineTarget>(&motor.target)) {
-    check_finite(thing, "motor target offset", sine->offset);
-    check_finite(thing, "motor target amplitude", sine->amplitude);
-    check_finite(thing, "motor target frequency", sine->frequency);
-    check_finite(thing, "motor target phase", sine->phase);
+    check_finite(thing, "motor.target.offset", sine->offset);
+    check_finite(thing, "motor.target.amplitude", sine->amplitude);
+    check_finite(thing, "motor.target.frequency", sine->frequency);
+    check_finite(thing, "motor.target.phase", sine->phase);
   }
   if (const auto* table = std::get_if<TableTarget>(&motor.target)) {
-    if (table->empty()) fail("{}: motor target is an empty table", thing);
+    if (table->empty()) fail(thing, "motor.target", "motor target is an empty table");
     for (std::size_t i = 0; i < table->size(); ++i) {
       const auto [time, value] = (*table)[i];
-      check_finite(thing, fmt::format("time {} of the motor target", i), time);
-      check_finite(thing, fmt::format("value {} of the motor target", i), value);
+      const std::string row = fmt::format("motor.target[{}]", i);
+      if (!std::isfinite(time)) fail(thing, row, "time {} of the motor target {} is not finite", i, time);
+      if (!std::isfinite(value)) fail(thing, row, "value {} of the motor target {} is not finite", i, value);
       if (i > 0 && !(time > (*table)[i - 1].first))
-        fail("{}: times of the motor target do not increase (time {} is {:g} s after {:g} s)", thing, i, time,
+        fail(thing, row, "times of the motor target do not increase (time {} is {:g} s after {:g} s)", i, time,
              (*table)[i - 1].first);
     }
   }
 }
 
-void check_joint(const Mechanism& mechanism, Joint& joint) {
-  const std::string thing = fmt::format("{} joint '{}'", name_of(joint.type), joint.name);
+void check_joint(const Mechanism& mechanism, Joint& joint, std::size_t index) {
+  const Thing thing{fmt::format("{} joint '{}'", name_of(joint.type), joint.name), fmt::format("joints[{}]", index)};
   check_body_id(mechanism, thing, "parent", joint.parent);
   check_body_id(mechanism, thing, "child", joint.child);
-  if (joint.child.is_world()) fail("{}: child is the world, which can only be the parent", thing);
+  if (joint.child.is_world()) fail(thing, "child", "child is the world, which can only be the parent");
   if (joint.parent == joint.child)
-    fail("{}: connects body '{}' with itself", thing, mechanism.bodies[joint.child.index].name);
-  check_finite(thing, "parent point", joint.parent_point);
-  check_finite(thing, "child point", joint.child_point);
+    fail(thing, "child", "connects body '{}' with itself", mechanism.bodies[joint.child.index].name);
+  check_finite(thing, "parent_point", joint.parent_point);
+  check_finite(thing, "child_point", joint.child_point);
   check_unit(thing, "orientation", joint.orientation);
   const bool has_axis = joint.type == JointType::revolute || joint.type == JointType::prismatic;
   check_finite(thing, "axis", joint.axis);
   if (has_axis) {
     const double length = joint.axis.stableNorm();
-    if (length == 0) fail("{}: axis has length 0", thing);
+    if (length == 0) fail(thing, "axis", "axis has length 0");
     normalise(joint.axis, length);
   }
   if (!joint.motor) return;
-  if (!has_axis) fail("{}: has a motor, which only revolute and prismatic joints can have", thing);
+  if (!has_axis) fail(thing, "motor", "has a motor, which only revolute and prismatic joints can have");
   check_motor(thing, *joint.motor);
 }
 
 /// Orthonormal to the normal, unless it already is.
-void check_tangent(std::string_view thing, const Vec3& normal, Vec3& tangent) {
+void check_tangent(const Thing& thing, const Vec3& normal, Vec3& tangent) {
   check_finite(thing, "tangent", tangent);
   const double length = tangent.stableNorm();
-  if (length == 0) fail("{}: tangent has length 0", thing);
+  if (length == 0) fail(thing, "tangent", "tangent has length 0");
   normalise(tangent, length);
   const double along = tangent.dot(normal);
   if (1 - std::abs(along) < 1e-12)
-    fail("{}: tangent {} is parallel to the normal {}", thing, text(tangent), text(normal));
+    fail(thing, "tangent", "tangent {} is parallel to the normal {}", text(tangent), text(normal));
   if (std::abs(along) <= 4 * std::numeric_limits<double>::epsilon()) return;
   tangent -= along * normal;
   normalise(tangent, tangent.norm());
 }
 
-void check_contact(const Mechanism& mechanism, Contact& contact) {
-  const std::string thing = fmt::format("contact '{}'", contact.name);
+void check_contact(const Mechanism& mechanism, Contact& contact, std::size_t index) {
+  const Thing thing{fmt::format("contact '{}'", contact.name), fmt::format("contacts[{}]", index)};
   check_body_id(mechanism, thing, "body", contact.body);
-  if (contact.body.is_world()) fail("{}: body is the world, which nothing moves", thing);
+  if (contact.body.is_world()) fail(thing, "body", "body is the world, which nothing moves");
   check_finite(thing, "point", contact.point);
   check_unit(thing, "normal", contact.normal);
-  check_finite(thing, "plane point", contact.plane_point);
+  check_finite(thing, "plane_point", contact.plane_point);
   if (contact.friction) check_not_negative(thing, "friction", *contact.friction);
   if (contact.friction > largest_friction)
-    fail("{}: friction {} is above {}, where nothing slides any more and solves fail", thing, *contact.friction,
+    fail(thing, "friction", "friction {} is above {}, where nothing slides any more and solves fail", *contact.friction,
          largest_friction);
   if (contact.directions < 4 || contact.directions > most_directions || contact.directions % 2 != 0)
-    fail("{}: directions {} is not an even number from 4 to {}", thing, contact.directions, most_directions);
+    fail(thing, "directions", "directions {} is not an even number from 4 to {}", contact.directions, most_directions);
   if (contact.tangent) check_tangent(thing, contact.normal, *contact.tangent);
   check_not_negative(thing, "radius", contact.radius);
 }
 
 void check_load(const Mechanism& mechanism, const Load& load, std::size_t index) {
-  const std::string thing = fmt::format("load {}", index);
+  const Thing thing{fmt::format("load {}", index), fmt::format("loads[{}]", index)};
   check_body_id(mechanism, thing, "body", load.body);
-  if (load.body.is_world()) fail("{}: body is the world, which nothing moves", thing);
-  if (load.first_step < 1) fail("{}: first step {} is not >= 1 (step 1 leads to record 1)", thing, load.first_step);
+  if (load.body.is_world()) fail(thing, "body", "body is the world, which nothing moves");
+  if (load.first_step < 1)
+    fail(thing, "steps[0]", "first step {} is not >= 1 (step 1 leads to record 1)", load.first_step);
   if (load.last_step < load.first_step)
-    fail("{}: last step {} is before the first step {}", thing, load.last_step, load.first_step);
+    fail(thing, "steps[1]", "last step {} is before the first step {}", load.last_step, load.first_step);
   check_finite(thing, "force", load.force);
   check_finite(thing, "torque", load.torque);
 }
@@ -242,22 +270,24 @@ void check_load(const Mechanism& mechanism, const Load& load, std::size_t index)
 }  // namespace
 
 void validate(Mechanism& mechanism) {
-  check_positive("scene", "time step", mechanism.time_step, "s");
-  check_finite("scene", "gravity", mechanism.gravity);
+  const Thing scene{"scene", ""};
+  check_positive(scene, "time_step", mechanism.time_step, "s");
+  check_finite(scene, "gravity", mechanism.gravity);
   Names bodies("body", "bodies"), joints("joint", "joints"), contacts("contact", "contacts");
   for (std::size_t i = 0; i < mechanism.bodies.size(); ++i) {
     Body& body = mechanism.bodies[i];
     bodies.add(body.name, i);
-    if (body.name == "world") fail("body {} is called 'world', which is the name of the ground", i);
-    check_body(body, mechanism.time_step);
+    if (body.name == "world")
+      fail_at(fmt::format("bodies[{}].name", i), "body {} is called 'world', which is the name of the ground", i);
+    check_body(body, i, mechanism.time_step);
   }
   for (std::size_t i = 0; i < mechanism.joints.size(); ++i) {
     joints.add(mechanism.joints[i].name, i);
-    check_joint(mechanism, mechanism.joints[i]);
+    check_joint(mechanism, mechanism.joints[i], i);
   }
   for (std::size_t i = 0; i < mechanism.contacts.size(); ++i) {
     contacts.add(mechanism.contacts[i].name, i);
-    check_contact(mechanism, mechanism.contacts[i]);
+    check_contact(mechanism, mechanism.contacts[i], i);
   }
   for (std::size_t i = 0; i < mechanism.loads.size(); ++i) check_load(mechanism, mechanism.loads[i], i);
 }
