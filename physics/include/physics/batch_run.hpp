@@ -39,14 +39,14 @@ struct BatchRun {
   std::function<Mechanism(long long copy)> make;
   /// Asked by every thread before every step; true ends the run. May be unset.
   std::function<bool()> stop;
-  /// One at a time, in order of the copies, by whichever thread has finished one. False ends the run: no further copy is
-  /// begun or handed out. Required.
+  /// One at a time, in order of the copies, by whichever thread has finished one. False ends the run: no further copy
+  /// is begun or handed out. Required.
   std::function<bool(CopyResult&&)> on_result;
 };
 
-/// Makes every copy's steps until they are done or one fails; its lane then takes the next copy. A copy's result does not
-/// depend on lanes or threads, to the bit. Throws DescriptionError, "copy 17: ...", when a copy is wrong or does not fit
-/// the scene; results of copies before it may have been handed out.
+/// Makes every copy's steps until they are done or one fails; its lane then takes the next copy. A copy's result does
+/// not depend on lanes or threads, to the bit. Throws DescriptionError, "copy 17: ...", when a copy is wrong or does
+/// not fit the scene; results of copies before it may have been handed out.
 void run_batch(const Mechanism& scene, const BatchRun& run);
 
 }  // namespace physics

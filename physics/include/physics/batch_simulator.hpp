@@ -12,18 +12,19 @@ namespace physics {
 /// inertias, geometry, friction, gravity, motors, loads). Each lane holds one copy.
 ///
 /// k equal scenes are one graph of k components, so this is a Simulator on the union: equal operations of neighbouring
-/// lanes are done by one vector. What happens in a lane depends on nothing in the others: it converges on its own, and a
-/// step that fails is tried again alone, in shorter steps. A copy's motion is therefore the same in bits in any lane and
-/// any company, and what a Simulator makes of that scene. Where its gravity is so small that it bounds the tolerance
-/// (loosest_tolerance), or no longer does, it is stepped by itself to be so, without neighbours to share vectors with.
+/// lanes are done by one vector. What happens in a lane depends on nothing in the others: it converges on its own, and
+/// a step that fails is tried again alone, in shorter steps. A copy's motion is therefore the same in bits in any lane
+/// and any company, and what a Simulator makes of that scene. Where its gravity is so small that it bounds the
+/// tolerance (loosest_tolerance), or no longer does, it is stepped by itself to be so, without neighbours to share
+/// vectors with.
 ///
-/// One per thread. Building one allocates everything; `step` allocates nothing, `load` does. A lane that is not there throws
-/// std::out_of_range. Units as in Simulator: m, rad, s, kg, J.
+/// One per thread. Building one allocates everything; `step` allocates nothing, `load` does. A lane that is not there
+/// throws std::out_of_range. Units as in Simulator: m, rad, s, kg, J.
 class BatchSimulator {
  public:
-  /// lanes: how many copies there is room for, >= 1; multiples of 8 fill the vectors. Every lane starts as a copy of the
-  /// scene. Throws DescriptionError when the scene is wrong, lanes < 1, or so many are certain not to fit into
-  /// this machine's memory.
+  /// lanes: how many copies there is room for, >= 1; multiples of 8 fill the vectors. Every lane starts as a copy of
+  /// the scene. Throws DescriptionError when the scene is wrong, lanes < 1, or so many are certain not to fit into this
+  /// machine's memory.
   BatchSimulator(const Mechanism& scene, int lanes, const SimulatorSettings& settings = {});
   ~BatchSimulator();
   BatchSimulator(BatchSimulator&&) noexcept;
@@ -31,9 +32,9 @@ class BatchSimulator {
 
   [[nodiscard]] int lanes() const;
 
-  /// Puts a copy into a lane, at its start and at step 0, whatever was there before. It has to have the structure of the
-  /// scene: the same time step, joint types, motors present or not, bodies of joints and contacts, contacts with friction or
-  /// without, facets. Throws DescriptionError when it is wrong or does not fit; the lane is then empty.
+  /// Puts a copy into a lane, at its start and at step 0, whatever was there before. It has to have the structure of
+  /// the scene: the same time step, joint types, motors present or not, bodies of joints and contacts, contacts with
+  /// friction or without, facets. Throws DescriptionError when it is wrong or does not fit; the lane is then empty.
   void load(int lane, Mechanism copy);
   /// Empties a lane; steps leave it out.
   void unload(int lane);

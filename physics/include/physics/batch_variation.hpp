@@ -17,8 +17,8 @@ namespace physics {
 ///   mass                factor on all masses and inertias
 ///   BODY.mass           [kg]; the inertia keeps its proportion to it
 ///   gravity             magnitude of it [m/s^2]
-///   BODY.force.x, BODY.torque.x                    a load in every step, beside those there are: force at the centre of
-///                                                  mass, world [N]; torque in the body's frame [N m]
+///   BODY.force.x, BODY.torque.x                    a load in every step, beside those there are: force at the centre
+///                                                  of mass, world [N]; torque in the body's frame [N m]
 ///   BODY.force.x@20-40                             in the steps 20 to 40 only, and so with torque
 ///   loads, BODY.loads                              factor on the forces and torques of all loads, of one body's
 ///   JOINT.stiffness, JOINT.damping, JOINT.limit    of its motor
@@ -27,8 +27,8 @@ namespace physics {
 ///   start.position.x                               added to all bodies [m]
 ///   start.velocity.x                               added to all bodies [m/s]
 ///   start.BODY.position.x, .velocity.x, .angular_velocity.x    of one body, instead of the scene's
-///   start.BODY.rotation.x    turns it, with all that is joined to it, about the world's axis through its centre of mass
-///                            [rad]; its velocity in the world stays, the others' relative to it turn along
+///   start.BODY.rotation.x    turns it, with all that is joined to it, about the world's axis through its centre of
+///                            mass [rad]; its velocity in the world stays, the others' relative to it turn along
 ///   start.JOINT.angle        of a revolute joint [rad], -pi to pi
 ///   start.JOINT.travel       of a prismatic joint [m]
 ///   start.JOINT.rate         of either [rad/s or m/s]
@@ -52,12 +52,12 @@ double uniform(std::uint64_t seed, long long copy, std::string_view key);
 /// The value of each variation for a copy.
 std::vector<double> draw(std::span<const Variation> variations, std::uint64_t seed, long long copy);
 
-/// Throws DescriptionError, naming the bound, when the scene has no such number, or is no valid scene with the lowest or
-/// the highest value. (What start positions leave open depends on all of them: check_start.)
+/// Throws DescriptionError, naming the bound, when the scene has no such number, or is no valid scene with the lowest
+/// or the highest value. (What start positions leave open depends on all of them: check_start.)
 void check_variation(const Mechanism& mechanism, const Variation& variation);
 
-/// With these values set in turn, do joints hold together as they do in the scene? Throws DescriptionError that names the
-/// joint, and the key that opened it: bodies that start.BODY.position moves have to be free to go there.
+/// With these values set in turn, do joints hold together as they do in the scene? Throws DescriptionError that names
+/// the joint, and the key that opened it: bodies that start.BODY.position moves have to be free to go there.
 void check_start(const Mechanism& mechanism, std::span<const Variation> variations, std::span<const double> values);
 
 /// Sets the number that the key names. Throws DescriptionError when the scene has no such thing.

@@ -11,7 +11,8 @@ namespace physics {
 /// How the basis of an `aligned` contact depends on the state before a step that slips.
 enum class FrictionBasis {
   as_stepped,  ///< as the step did: where it turned, it follows the slip; where it was kept (0.01 rad), it is constant
-  following,   ///< as if it turned with the slip in every step. Neither is exact through many steps: use FrictionModel::pyramid
+  following,   ///< as if it turned with the slip in every step. Neither is exact through many steps: use
+               ///< FrictionModel::pyramid
 };
 
 struct GradientSettings {
@@ -37,10 +38,10 @@ std::string_view explanation(GradientStatus status);
 /// What a step depends on; the columns of its Jacobian. Bodies held together by a fixed joint move as one: see
 /// StepGradient::moving_body.
 enum class StepInput {
-  state,     ///< per moving body 12, as the next state
-  load,      ///< per moving body: force on its centre of mass, world (3) [N]; torque, body frame (3) [N m]
-  effort,    ///< per joint of the Mechanism: on the free coordinate, besides its motor's and within its limit [N m or N];
-             ///< zero for joints that have none or more than one
+  state,   ///< per moving body 12, as the next state
+  load,    ///< per moving body: force on its centre of mass, world (3) [N]; torque, body frame (3) [N m]
+  effort,  ///< per joint of the Mechanism: on the free coordinate, besides its motor's and within its limit [N m or N];
+           ///< zero for joints that have none or more than one
   friction,  ///< per contact of the Mechanism: coefficient; zero for contacts without friction or out of reach
   mass,      ///< per moving body, inertia and centre of mass held [kg]
   inertia,   ///< per moving body: Jxx, Jyy, Jzz, Jxy, Jxz, Jyz, mass held [kg m^2]

@@ -60,8 +60,8 @@ class TrajectoryWriter {
   TrajectoryWriter& operator=(TrajectoryWriter&&) noexcept;
 
   void add(const StepRecord& record);
-  /// Completes the file, says in it why the run failed if it did, and gives it its name. Throws DescriptionError, on a full
-  /// disk for example.
+  /// Completes the file, says in it why the run failed if it did, and gives it its name. Throws DescriptionError, on a
+  /// full disk for example.
   void commit(const std::optional<FailureRecord>& failure = {});
 
  private:

@@ -14,8 +14,8 @@ namespace physics {
 
 struct SimulatorSettings {
   /// Natural residual at which a step is accepted [m/s]. Where positions x of an island round to more, 8 eps |x| / dt,
-  /// that is what its steps are accepted at; StepResult::residual tells. Under gravity neither is more than a hundredth of
-  /// what that changes in a step (1e-4 m/s at 1 ms): else things would hover.
+  /// that is what its steps are accepted at; StepResult::residual tells. Under gravity neither is more than a hundredth
+  /// of what that changes in a step (1e-4 m/s at 1 ms): else things would hover.
   double tolerance = 1e-8;
   std::optional<double> time_step = {};              ///< instead of the scene's [s]
   std::optional<FrictionModel> friction_model = {};   ///< instead of the contacts' own
@@ -31,8 +31,8 @@ struct SimulatorSettings {
 /// without gravity.
 double loosest_tolerance(const Mechanism& mechanism);
 
-/// Time spent in the phases of all steps so far, by the steady clock (asking for CPU time costs as much as a small step)
-/// [s]. Zero unless SimulatorSettings::time_phases.
+/// Time spent in the phases of all steps so far, by the steady clock (asking for CPU time costs as much as a small
+/// step) [s]. Zero unless SimulatorSettings::time_phases.
 struct PhaseTimes {
   double prepare = 0;     ///< loads, culling, friction basis, start values
   double evaluate = 0;    ///< residuals, Jacobians, condensation
@@ -90,9 +90,9 @@ class Simulator {
   /// After a failed step: where the solver got stuck, "joint 'knee' (residual 0.02 m/s)".
   [[nodiscard]] std::string failure_place() const;
 
-  /// Continues from a record of this scene (always `standard`). Throws DescriptionError when it is none. How often a hinge
-  /// has turned is told by its coordinate in the record; without one, of a motor by its effort: at its limit it is taken to
-  /// lag by less than a turn.
+  /// Continues from a record of this scene (always `standard`). Throws DescriptionError when it is none. How often a
+  /// hinge has turned is told by its coordinate in the record; without one, of a motor by its effort: at its limit it
+  /// is taken to lag by less than a turn.
   void restart_from(const StepRecord& record);
 
   /// Fills a record of the present state; for record 0 forces are zero.
@@ -106,14 +106,15 @@ class Simulator {
   // Figures of the present state, without allocation.
   [[nodiscard]] double smallest_distance() const;     ///< over all contacts [m]; +inf without any
   [[nodiscard]] double largest_joint_error() const;   ///< [m, rad]
-  /// Of a revolute [rad] or prismatic [m] joint, by its index in the Mechanism. Zero where the child has its orientation at
-  /// rest, or the two points meet; grows as the child turns about the axis, or moves along it, from the parent's view: what
-  /// motors and start.JOINT.angle count. A revolute joint with a motor, or any with SimulatorSettings::count_turns, counts
-  /// full turns from the start, as long as no step turns it by half of one; else it is told from -pi to pi. Empty for
-  /// other joints, and for one between bodies that fixed joints hold together. Throws std::out_of_range.
+  /// Of a revolute [rad] or prismatic [m] joint, by its index in the Mechanism. Zero where the child has its
+  /// orientation at rest, or the two points meet; grows as the child turns about the axis, or moves along it, from the
+  /// parent's view: what motors and start.JOINT.angle count. A revolute joint with a motor, or any with
+  /// SimulatorSettings::count_turns, counts full turns from the start, as long as no step turns it by half of one; else
+  /// it is told from -pi to pi. Empty for other joints, and for one between bodies that fixed joints hold together.
+  /// Throws std::out_of_range.
   [[nodiscard]] std::optional<double> joint_coordinate(int joint) const;
-  /// Its change in the last step, or the last substep, over the length of that: what the damping of a motor answers to. At
-  /// a half_kick start that of the velocities given.
+  /// Its change in the last step, or the last substep, over the length of that: what the damping of a motor answers to.
+  /// At a half_kick start that of the velocities given.
   [[nodiscard]] std::optional<double> joint_rate(int joint) const;
   /// Energy at the previous pose: mean of the kinetic energies of the two steps around it, plus potential [J].
   [[nodiscard]] double energy() const;

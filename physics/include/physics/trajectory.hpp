@@ -29,7 +29,8 @@ struct JointRecord {
   Vec3 torque = Vec3::Zero();  ///< on the child, world [N m], motor effort included
   double error = 0;            ///< largest constraint violation after the step [m, rad]
   std::optional<double> effort;  ///< of the motor [N m or N]
-  /// Of a revolute or prismatic joint after the step, as Simulator::joint_coordinate and joint_rate [rad or m, rad/s or m/s].
+  /// Of a revolute or prismatic joint after the step, as Simulator::joint_coordinate and joint_rate [rad or m, rad/s or
+  /// m/s].
   std::optional<double> coordinate, rate;
 };
 

@@ -37,8 +37,9 @@ void check_memory(int lanes, double bytes_per_lane) {
 
 }  // namespace
 
-/// Eight lanes at a time go through a whole step: their numbers stay in the cache, and they fill the vectors. One solver has
-/// one tolerance: a copy whose gravity asks for another (loosest_tolerance) has a stepper of its own, apart from the others.
+/// Eight lanes at a time go through a whole step: their numbers stay in the cache, and they fill the vectors. One
+/// solver has one tolerance: a copy whose gravity asks for another (loosest_tolerance) has a stepper of its own, apart
+/// from the others.
 struct BatchSimulator::Impl {
   struct Cohort {
     std::unique_ptr<Stepper> stepper;

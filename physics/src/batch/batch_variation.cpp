@@ -14,11 +14,11 @@ namespace physics {
 namespace {
 
 constexpr const char* known =
-    "friction, CONTACT.friction, mass, BODY.mass, gravity, BODY.force.AXIS, BODY.torque.AXIS (with @FIRST-LAST: in these "
-    "steps), loads, BODY.loads, JOINT.stiffness, JOINT.damping, JOINT.limit, JOINT.target, "
-    "JOINT.target.offset|amplitude|frequency|phase, start.position.AXIS, start.velocity.AXIS, start.BODY.position.AXIS, "
-    "start.BODY.velocity.AXIS, start.BODY.angular_velocity.AXIS, start.BODY.rotation.AXIS, start.JOINT.angle, "
-    "start.JOINT.travel, start.JOINT.rate, start.JOINT.angle.AXIS, start.JOINT.rate.AXIS";
+    "friction, CONTACT.friction, mass, BODY.mass, gravity, BODY.force.AXIS, BODY.torque.AXIS (with @FIRST-LAST: in "
+    "these steps), loads, BODY.loads, JOINT.stiffness, JOINT.damping, JOINT.limit, JOINT.target, "
+    "JOINT.target.offset|amplitude|frequency|phase, start.position.AXIS, start.velocity.AXIS, "
+    "start.BODY.position.AXIS, start.BODY.velocity.AXIS, start.BODY.angular_velocity.AXIS, start.BODY.rotation.AXIS, "
+    "start.JOINT.angle, start.JOINT.travel, start.JOINT.rate, start.JOINT.angle.AXIS, start.JOINT.rate.AXIS";
 
 std::uint64_t mix(std::uint64_t z) {  // Steele, Lea, Flood 2014
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -84,7 +84,8 @@ bool add_load(Mechanism& mechanism, std::string_view key, double value) {
   const bool force = axis >= 0 && take_ending(rest, "force");
   if (axis < 0 || !(force || take_ending(rest, "torque"))) return false;
   const Body& body = find(mechanism.bodies, rest, key, "body");
-  Load load{.body = {static_cast<int>(&body - mechanism.bodies.data())}, .first_step = steps.first, .last_step = steps.last};
+  Load load{
+      .body = {static_cast<int>(&body - mechanism.bodies.data())}, .first_step = steps.first, .last_step = steps.last};
   (force ? load.force : load.torque)[axis] = value;
   mechanism.add(load);
   return true;
@@ -125,7 +126,8 @@ bool set_motor(Mechanism& mechanism, std::string_view key, double value) {
   if (take_ending(joint, "target")) {
     auto& target = motor_of(mechanism, joint, key).target;
     if (std::holds_alternative<SineTarget>(target))
-      wrong_key(key, "the target of joint '{}' is a sine: vary {}.offset, .amplitude, .frequency or .phase", joint, key);
+      wrong_key(key, "the target of joint '{}' is a sine: vary {}.offset, .amplitude, .frequency or .phase", joint,
+                key);
     if (std::holds_alternative<TableTarget>(target)) wrong_key(key, "the target of joint '{}' is a table", joint);
     return target = value, true;
   }
@@ -174,7 +176,8 @@ void check_variation(const Mechanism& mechanism, const Variation& variation) {
       validate(copy);
     } catch (const DescriptionError& error) {
       if (std::string_view(error.what()).starts_with("vary ")) throw;  // the key, not the value
-      throw DescriptionError(fmt::format("vary '{}': the bound {} will not do: {}", variation.key, bound, error.what()));
+      throw DescriptionError(
+          fmt::format("vary '{}': the bound {} will not do: {}", variation.key, bound, error.what()));
     }
   }
 }

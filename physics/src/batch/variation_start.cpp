@@ -12,15 +12,16 @@ namespace {
 
 Quat turn_about(const Vec3& axis, double angle) { return Quat(Eigen::AngleAxisd(angle, axis)); }
 
-/// With all that is joined to it, about its centre of mass. Its own velocity stays what it is in the world, and the others'
-/// relative to it turn along.
+/// With all that is joined to it, about its centre of mass. Its own velocity stays what it is in the world, and the
+/// others' relative to it turn along.
 void turn_body(Mechanism& mechanism, std::string_view key, const Body& body, const Vec3& axis, double angle) {
   const BodyId id{static_cast<int>(&body - mechanism.bodies.data())};
   const Side side = side_of(mechanism, id, -1);
   if (side.held)
     wrong_key(key, "joints hold body '{}' at the world, and a turn would open them: vary start.JOINT.angle", body.name);
   const RigidMotion own = {.origin = body.position, .velocity = body.velocity, .angular_velocity = Vec3::Zero()};
-  displace(mechanism, side.bodies, {.turn = turn_about(axis, angle), .pivot = body.position, .shift = Vec3::Zero()}, own);
+  displace(mechanism, side.bodies, {.turn = turn_about(axis, angle), .pivot = body.position, .shift = Vec3::Zero()},
+           own);
 }
 
 /// A joint at the start, and the bodies that go along when its child moves against its parent, or these against those.
@@ -76,8 +77,9 @@ void set_rate(Mechanism& mechanism, const JointStart& start, const Vec3& axis, b
                             : axis.dot(child.angular_velocity - parent.angular_velocity);
   const Vec3 change = start.sign * (rate - now) * axis;
   const Vec3 none = Vec3::Zero();
-  add_motion(mechanism, start.bodies,
-             {.origin = start.child_point, .velocity = slides ? change : none, .angular_velocity = slides ? none : change});
+  add_motion(
+      mechanism, start.bodies,
+      {.origin = start.child_point, .velocity = slides ? change : none, .angular_velocity = slides ? none : change});
 }
 
 enum class Quantity { angle, travel, rate };
@@ -88,8 +90,10 @@ void set_joint_start(Mechanism& mechanism, std::string_view key, std::string_vie
   const Joint& joint = find(mechanism.joints, name, key, "joint");
   const bool slides = joint.type == JointType::prismatic, ball = joint.type == JointType::spherical;
   if (joint.type == JointType::fixed) wrong_key(key, "joint '{}' is fixed", name);
-  if (quantity == Quantity::angle && slides) wrong_key(key, "joint '{}' is prismatic: vary start.{}.travel", name, name);
-  if (quantity == Quantity::travel && !slides) wrong_key(key, "joint '{}' is not prismatic: vary start.{}.angle", name, name);
+  if (quantity == Quantity::angle && slides)
+    wrong_key(key, "joint '{}' is prismatic: vary start.{}.travel", name, name);
+  if (quantity == Quantity::travel && !slides)
+    wrong_key(key, "joint '{}' is not prismatic: vary start.{}.angle", name, name);
   if (ball && axis < 0) wrong_key(key, "joint '{}' is spherical: the key needs an axis, as in {}.x", name, key);
   if (!ball && axis >= 0) wrong_key(key, "joint '{}' has one axis: leave out .{}", name, "xyz"[axis]);
   const JointStart start = joint_start(mechanism, key, joint);
@@ -156,7 +160,9 @@ void check_start(const Mechanism& mechanism, std::span<const Variation> variatio
   for (std::size_t j = 0; j < copy.joints.size(); ++j) {
     if (opened[j] == nobody) continue;
     const Joint& joint = copy.joints[j];
-    const auto name = [&](BodyId id) { return id.is_world() ? "the world" : fmt::format("body '{}'", copy.bodies[id.index].name); };
+    const auto name = [&](BodyId id) {
+      return id.is_world() ? "the world" : fmt::format("body '{}'", copy.bodies[id.index].name);
+    };
     wrong_key(variations[opened[j]].key, "joint '{}' holds {} at {}, and their points would start {:.3g} m apart{}",
               joint.name, name(joint.child), name(joint.parent), start_gap(copy, joint), own_key_of(joint));
   }

@@ -171,7 +171,8 @@ int StepGradient::moving_bodies() const { return impl_->bodies(); }
 int StepGradient::moving_body(BodyId body) const {
   if (body.is_world()) return -1;
   const Lane& l = impl_->lane();
-  if (body.index >= std::ssize(l.mechanism.bodies)) throw std::out_of_range(fmt::format("there is no body {}", body.index));
+  if (body.index >= std::ssize(l.mechanism.bodies))
+    throw std::out_of_range(fmt::format("there is no body {}", body.index));
   return l.place(body.index).body;
 }
 int StepGradient::state_size() const { return impl_->columns(StepInput::state); }
@@ -194,7 +195,9 @@ void StepGradient::jacobian(StepInput input, std::span<double> jacobian) {
   impl_->jacobian(input, jacobian);
 }
 
-std::span<const double> StepGradient::velocity(int body) const { return std::span(impl_->x).subspan(impl_->row.at(body), 6); }
+std::span<const double> StepGradient::velocity(int body) const {
+  return std::span(impl_->x).subspan(impl_->row.at(body), 6);
+}
 const Vec3& StepGradient::position(int body) const { return impl_->next.at(body).x; }
 const Quat& StepGradient::orientation(int body) const { return impl_->next.at(body).q; }
 

@@ -68,7 +68,8 @@ void StepGradient::Impl::multiply_state() {
     subtract(column(product, 12 * i + 6), y, d.velocity[i].data(), 6, 6);
   }
   for (const auto& block : d.across)
-    subtract(column(product, 12 * block.body), column(transposed, block.row), block.values.data(), block.values.outerStride(), block.rows);
+    subtract(column(product, 12 * block.body), column(transposed, block.row), block.values.data(),
+             block.values.outerStride(), block.rows);
 }
 
 /// product := derivative of the velocities of this pass by the input.
@@ -116,7 +117,8 @@ void StepGradient::Impl::jacobian(StepInput input, std::span<double> out) {
   for (int i = 0; i < bodies(); ++i)  // what poses pass on by themselves
     for (int c = 0; c < 3; ++c) {
       out[static_cast<std::size_t>(12 * i + c) * height + 12 * i + c] += 1;
-      Map3(out.data() + static_cast<std::ptrdiff_t>(12 * i + 3 + c) * height + 12 * i + 3) += sensitivity.carry[i].col(c);
+      Map3(out.data() + static_cast<std::ptrdiff_t>(12 * i + 3 + c) * height + 12 * i + 3) +=
+          sensitivity.carry[i].col(c);
     }
 }
 

@@ -50,14 +50,16 @@ void check_depth(std::string_view text, std::string_view file) {
     if (c == '[' || c == '{') open.push_back(++level);
     if ((c == ']' || c == '}') && !open.empty()) open.pop_back();
     if (c == ']' || c == '}' || c == ',' || c == '\n') to_bracket();
-    if (level > deepest) fail_depth(file, 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
+    if (level > deepest)
+      fail_depth(file, 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
     ++at;
   }
 }
 
 /// level: of lists and tables, the node among them.
 Json convert(const toml::node& node, std::string_view file, std::size_t level = 1) {
-  if (level > deepest && (node.is_table() || node.is_array())) fail_depth(file, std::max<std::int64_t>(1, node.source().begin.line));
+  if (level > deepest && (node.is_table() || node.is_array()))
+    fail_depth(file, std::max<std::int64_t>(1, node.source().begin.line));
   if (const auto* table = node.as_table()) {
     Json object = Json::object();
     for (const auto& [key, value] : *table) object[std::string(key.str())] = convert(value, file, level + 1);

@@ -61,7 +61,8 @@ std::string csv_row(const StepRecord& record, const Mechanism& mechanism) {
     add(row, joint.force);
     add(row, joint.torque);
     add(row, joint.error);
-    for (const auto& value : {joint.effort, joint.coordinate, joint.rate}) value ? add(row, *value) : row.push_back(',');
+    for (const auto& value : {joint.effort, joint.coordinate, joint.rate})
+      value ? add(row, *value) : row.push_back(',');
   }
   row.append(of_joint.size() * (mechanism.joints.size() - record.joints.size()), ',');
   if (const auto& solver = record.solver) {
@@ -76,8 +77,8 @@ std::string csv_row(const StepRecord& record, const Mechanism& mechanism) {
 /// A row of the step that failed: it has a status and no state.
 std::string csv_end(const std::optional<FailureRecord>& failure, const Mechanism& mechanism) {
   if (!failure) return {};
-  const std::size_t empty = 1 + of_body.size() * mechanism.bodies.size() + of_contact.size() * mechanism.contacts.size() +
-                            of_joint.size() * mechanism.joints.size();
+  const std::size_t empty = 1 + of_body.size() * mechanism.bodies.size() +
+                            of_contact.size() * mechanism.contacts.size() + of_joint.size() * mechanism.joints.size();
   return fmt::format("{}{},{},,,\n", failure->step, std::string(empty, ','), cell(failure->status));
 }
 

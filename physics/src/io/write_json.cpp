@@ -11,8 +11,8 @@ namespace physics::io {
 
 namespace {
 
-/// By trying: the error that the whole document gives names a byte, and whose it is would have to be tried all the same.
-/// Text is in scenes; the record of a step holds one word.
+/// By trying: the error that the whole document gives names a byte, and whose it is would have to be tried all the
+/// same. Text is in scenes; the record of a step holds one word.
 bool is_utf8(const Json& text) {
   try {
     (void)text.dump();
@@ -256,7 +256,8 @@ std::string json_step(const StepRecord& record) {
 std::string json_end(const std::optional<FailureRecord>& failure) {
   std::string text = "\n  ]";
   if (failure) {
-    const Json json{{"step", failure->step}, {"status", failure->status}, {"place", failure->place}, {"cause", failure->cause}};
+    const Json json{
+        {"step", failure->step}, {"status", failure->status}, {"place", failure->place}, {"cause", failure->cause}};
     text += ",\n  \"failure\": " + dump(json, "failure");
   }
   return text + "\n}\n";

@@ -32,7 +32,8 @@ void KeepEnergies(BodyOctet& body, unsigned used) { keep_energies(body, Keeper(u
 // The formulas are those of rotation.hpp.
 unsigned Begin(BodyOctet& body, unsigned used, const BodyStart& start) {
   const Keeper keep(used);
-  const Vector3 v = load3(body.state.velocity), w = load3(body.state.velocity + 3), g = load3(body.gravity), x = load3(body.state.x);
+  const Vector3 v = load3(body.state.velocity), w = load3(body.state.velocity + 3), g = load3(body.gravity),
+                x = load3(body.state.x);
   const Pack mass = load(body.mass), ww = dot(w, w);
   const Vector3 jw = load33(body.inertia) * w;
   keep(mass * v + Pack(start.impulse_time) * (mass * g), body.known);
@@ -66,7 +67,9 @@ void EvaluateBodies(const BodyTask& task) {
   keep(load3(body.state.x) + dt * v, pose);
   keep(q.v, pose + 3);
   keep(q.w, pose[6]);
-  const auto keep_matrix = [&](const Matrix3& m, Octet* to) HWY_ATTR { keep(m.c0, to), keep(m.c1, to + 3), keep(m.c2, to + 6); };
+  const auto keep_matrix = [&](const Matrix3& m, Octet* to) HWY_ATTR {
+    keep(m.c0, to), keep(m.c1, to + 3), keep(m.c2, to + 6);
+  };
   keep_matrix(rotation_matrix(q), pose + 7);
   keep(v, task.at->velocity);
   keep(w, task.at->velocity + 3);
@@ -119,7 +122,13 @@ void Commit(BodyOctet& body, unsigned used, const BodyAtOctet& at) {
 }
 
 BodyKernels Kernels() {
-  return {.place = Place, .keep_energies = KeepEnergies, .begin = Begin, .evaluate = EvaluateBodies, .push = Push, .hand_out = HandOut, .commit = Commit};
+  return {.place = Place,
+          .keep_energies = KeepEnergies,
+          .begin = Begin,
+          .evaluate = EvaluateBodies,
+          .push = Push,
+          .hand_out = HandOut,
+          .commit = Commit};
 }
 
 }  // namespace

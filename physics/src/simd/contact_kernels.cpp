@@ -129,7 +129,8 @@ void Condense(const ContactTask& task) {
   const Pack cap = gs::min(load(task.first), load(o.largest_ratio));
   Pack w[pairs];
   for (int k = 0; k < pairs; ++k) {
-    const Pack s = load(o.s[k]), z = load(o.z[k]), inverse = Pack(1.0) / (s * z), inverse_s = z * inverse;  // one division
+    const Pack s = load(o.s[k]), z = load(o.z[k]);
+    const Pack inverse = Pack(1.0) / (s * z), inverse_s = z * inverse;  // one division
     store(inverse_s, o.inverse_s[k]);
     store(s * inverse, o.inverse_z[k]);
     w[k] = gs::min(z * inverse_s, cap);

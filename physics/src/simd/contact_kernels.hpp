@@ -33,7 +33,7 @@ struct ContactTask {
   unsigned used;
   bool one_body;            ///< all on the same one
   double dt;
-  const double* pose[8];    ///< numbers of a NextPose, each in an octet (a Pose to look, to remember); one_body: only [0]
+  const double* pose[8];  ///< numbers of a NextPose, each in an octet (a Pose to look, to remember); one_body: only [0]
   const Octet* poses = nullptr;       ///< all of them instead, where they lie in the same lanes
   const Octet* velocities = nullptr;  ///< there, the six of x at the iterate
   const double* x[8];       ///< v, w of the body, or their change

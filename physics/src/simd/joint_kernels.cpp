@@ -18,14 +18,16 @@ namespace {
 
 using graphsolve::simd::LaneBlocks;
 
-/// Eight poses: the numbers of a NextPose, or of a Pose, whose turn nobody needs. Read where they are used: a copy in registers
-/// would be one on the stack.
+/// Eight poses: the numbers of a NextPose, or of a Pose, whose turn nobody needs. Read where they are used: a copy in
+/// registers would be one on the stack.
 struct Place {
   const Octet* number;
   HWY_INLINE Vector3 x() const { return load3(number); }
   HWY_INLINE Quaternion q() const { return {load3(number + 3), load(number[6])}; }
   HWY_INLINE Matrix3 rotation() const { return load33(number + 7); }
-  HWY_INLINE Vector3 rotation_row(int i) const { return {load(number[7 + i]), load(number[10 + i]), load(number[13 + i])}; }
+  HWY_INLINE Vector3 rotation_row(int i) const {
+    return {load(number[7 + i]), load(number[10 + i]), load(number[13 + i])};
+  }
   HWY_INLINE Matrix3 turn() const { return load33(number + 16); }
 };
 
@@ -42,7 +44,9 @@ struct Kind {
   static constexpr bool in_world_axes = !slides;  ///< the first three rows
 };
 
-HWY_INLINE Vector3 unit(int i) { return {Pack(i == 0 ? 1.0 : 0.0), Pack(i == 1 ? 1.0 : 0.0), Pack(i == 2 ? 1.0 : 0.0)}; }
+HWY_INLINE Vector3 unit(int i) {
+  return {Pack(i == 0 ? 1.0 : 0.0), Pack(i == 1 ? 1.0 : 0.0), Pack(i == 2 ? 1.0 : 0.0)};
+}
 
 HWY_INLINE Pack atan(const Pack& a) {
   Pack r;
@@ -173,7 +177,9 @@ HWY_INLINE void aim(const JointTask& task) {
     keep(numbers, (of_parent ? task.parent_force : task.child_force) + 6 * r + first);
   });
   const Mask on_parent = lanes_of(task.children_are_world);
-  const auto recorded = [&](const Pack& of_parent, const Pack& of_child) HWY_ATTR { return gs::select(on_parent, of_parent, of_child); };
+  const auto recorded = [&](const Pack& of_parent, const Pack& of_child) HWY_ATTR {
+    return gs::select(on_parent, of_parent, of_child);
+  };
   const Vector3 a = joint.a.x(), b = joint.b.x(), point = b + joint.b.rotation() * joint.child_point;
   for (int k = 0; k < 4; ++k) keep(recorded(load(joint.a.number[3 + k]), load(joint.b.number[3 + k])), task.stands[k]);
   keep(point.x - recorded(a.x, b.x), task.stands[4]);
@@ -225,7 +231,8 @@ HWY_INLINE void write_derivative(const JointTask& task, const Joint<Rows, true>&
 /// (lambda - impulse_time * effort) * diagonal, an angle or a distance. Where the effort is at its limit it no longer
 /// answers to the velocity.
 template <JointRows Rows>
-HWY_INLINE Pack motor(const JointTask& task, const Joint<Rows, true>& joint, const Pack& lambda, Mask& limited, Pack& diagonal) {
+HWY_INLINE Pack motor(const JointTask& task, const Joint<Rows, true>& joint, const Pack& lambda, Mask& limited,
+                      Pack& diagonal) {
   MotorOctet& m = *task.motor;
   const Pack before = load(m.coordinate), limit = load(m.limit), dt(task.dt);
   Pack change = joint.coordinate() - before;
@@ -237,7 +244,8 @@ HWY_INLINE Pack motor(const JointTask& task, const Joint<Rows, true>& joint, con
   const Pack wanted = stiffness * (load(m.target) - next) - damping * change / dt;
   const Mask used = lanes_of(task.used);
   limited = !(gs::abs(wanted) < limit);
-  const Pack effort = gs::select(limited, gs::select(wanted < Pack(0.0), -limit, limit), wanted), time = load(m.impulse_time);
+  const Pack effort = gs::select(limited, gs::select(wanted < Pack(0.0), -limit, limit), wanted),
+             time = load(m.impulse_time);
   store(gs::select(used, next, load(m.next_coordinate)), m.next_coordinate);
   store(gs::select(used, gs::select(limited, Pack(1.0), Pack(0.0)), load(m.limited)), m.limited);
   diagonal = Pack(1.0) / (time * (stiffness * dt + damping));

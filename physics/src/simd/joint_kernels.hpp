@@ -15,7 +15,9 @@ enum class JointRows {
   prismatic_motor,  ///< and a motor along the axis
   fixed,            ///< 3 translations in world axes, 3 rotations
 };
-constexpr bool has_motor(JointRows kind) { return kind == JointRows::revolute_motor || kind == JointRows::prismatic_motor; }
+constexpr bool has_motor(JointRows kind) {
+  return kind == JointRows::revolute_motor || kind == JointRows::prismatic_motor;
+}
 constexpr bool is_slide(JointRows kind) { return kind == JointRows::prismatic || kind == JointRows::prismatic_motor; }
 constexpr bool is_hinge(JointRows kind) { return kind == JointRows::revolute || kind == JointRows::revolute_motor; }
 constexpr int translations(JointRows kind) { return is_slide(kind) ? 2 : 3; }
@@ -66,7 +68,8 @@ struct JointTask {
   Octet *child_force, *parent_force;   ///< directions of forces by row, 6 numbers each: entry 6 row + column
   unsigned used = 0;
   double dt = 0;
-  const double *parent[8], *child[8];  ///< numbers of a NextPose, each in an octet; a Pose will do to aim, and without values
+  /// Numbers of a NextPose, each in an octet; a Pose will do to aim, and without values.
+  const double *parent[8], *child[8];
   const Octet *parents = nullptr, *children = nullptr;  ///< all of them instead, where they lie in the same lanes
   unsigned children_are_world = 0;     ///< lanes where the child is
   Octet* stands = nullptr;             ///< out, of aim

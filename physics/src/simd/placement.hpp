@@ -13,8 +13,8 @@ struct Placed {
   graphsolve::BlockHandle block;  ///< of the matrix, that the item writes
 };
 
-/// A place for each item, so that items whose blocks lie side by side in the matrix lie in the same lanes here: what eight
-/// of them add is added at once. Several items of one block get one octet after the other, in their order.
+/// A place for each item, so that items whose blocks lie side by side in the matrix lie in the same lanes here: what
+/// eight of them add is added at once. Several items of one block get one octet after the other, in their order.
 std::vector<int> places_in_octets(std::span<const Placed> items);
 
 }  // namespace physics

@@ -11,7 +11,8 @@ namespace {
 
 constexpr int lane_of_simulator[] = {0};
 
-/// Looking begins a step at the present pose. What the last one left, which records tell forces by, is put back at the end.
+/// Looking begins a step at the present pose. What the last one left, which records tell forces by, is put back at the
+/// end.
 class Kept {
  public:
   explicit Kept(Stepper& stepper)

@@ -9,7 +9,8 @@
 namespace physics {
 
 PhaseTimes& PhaseTimes::operator+=(const PhaseTimes& other) {
-  for (auto part : {&PhaseTimes::prepare, &PhaseTimes::evaluate, &PhaseTimes::factorize, &PhaseTimes::solve, &PhaseTimes::finish})
+  for (auto part :
+       {&PhaseTimes::prepare, &PhaseTimes::evaluate, &PhaseTimes::factorize, &PhaseTimes::solve, &PhaseTimes::finish})
     this->*part += other.*part;
   return *this;
 }
@@ -54,7 +55,8 @@ void check_joint(const StepRecord& record, const Joint& joint, const JointRecord
 
 void check_record(const Mechanism& mechanism, const StepRecord& record) {
   if (record.step < 0) throw DescriptionError(fmt::format("record {}: a step has a number >= 0", record.step));
-  if (!std::isfinite(record.time)) throw DescriptionError(fmt::format("record {}: its time is not finite", record.step));
+  if (!std::isfinite(record.time))
+    throw DescriptionError(fmt::format("record {}: its time is not finite", record.step));
   if (record.bodies.size() != mechanism.bodies.size())
     throw DescriptionError(fmt::format("record {}: {} bodies, the scene has {}", record.step, record.bodies.size(),
                                        mechanism.bodies.size()));
@@ -68,7 +70,8 @@ void check_record(const Mechanism& mechanism, const StepRecord& record) {
   for (std::size_t k = 0; record.joints.size() == mechanism.joints.size() && k < record.joints.size(); ++k)
     check_joint(record, mechanism.joints[k], record.joints[k]);
   if (record.contacts.size() != mechanism.contacts.size()) return;
-  for (std::size_t k = 0; k < record.contacts.size(); ++k) check_contact(record, mechanism.contacts[k], record.contacts[k]);
+  for (std::size_t k = 0; k < record.contacts.size(); ++k)
+    check_contact(record, mechanism.contacts[k], record.contacts[k]);
 }
 
 }  // namespace

@@ -59,7 +59,8 @@ bool Stepper::led_by_a_step(int lane) const {
   return true;
 }
 
-/// How far the bodies of a description are from moving as the rigid ones do that fixed joints make of them [m/s, rad/s].
+/// How far the bodies of a description are from moving as the rigid ones do that fixed joints make of them [m/s,
+/// rad/s].
 double Stepper::slack_of_members(int lane) const {
   const Lane& l = lanes[lane];
   double rigid = 0, along_chord = 0;

@@ -19,8 +19,8 @@ namespace {
 constexpr int more_when_turned = 16;  ///< the last resort may take this many times more substeps
 constexpr int jammed = 3;             ///< so many steps in a row that only the last resort solved
 
-/// The ways to try a step, in the usual order: as a whole, in 2, 4, ... parts, then all of these and more with the force
-/// directions at the new configuration.
+/// The ways to try a step, in the usual order: as a whole, in 2, 4, ... parts, then all of these and more with the
+/// force directions at the new configuration.
 class Ladder {
  public:
   explicit Ladder(int max_substeps)
@@ -140,7 +140,8 @@ double Stepper::prepare(int lane, double h, double end_time) {
   const double impulse_time = l.state.half_kick ? 0.5 * h : h;
   const double factor = l.state.impulse_time > 0 ? impulse_time / l.state.impulse_time : 1.0;
   apply_loads(lane, impulse_time);
-  for (int k = 0; joints.any_motor() && k < joints_per_lane; ++k) joints.prepare(joint(lane, k), end_time, impulse_time);
+  for (int k = 0; joints.any_motor() && k < joints_per_lane; ++k)
+    joints.prepare(joint(lane, k), end_time, impulse_time);
   for (int k = 0; factor != 1 && k < joints_per_lane; ++k) {
     const int j = joint(lane, k);
     for (int r = 0; r < joints.rows(j); ++r) unknowns[joints.row(j) + r] *= factor;

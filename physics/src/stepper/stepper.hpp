@@ -15,7 +15,8 @@
 
 namespace physics {
 
-/// What belongs to the state of one copy as a whole; the rest is in Bodies. The time step that made the velocity defines the momentum.
+/// What belongs to the state of one copy as a whole; the rest is in Bodies. The time step that made the velocity
+/// defines the momentum.
 struct LaneState {
   double time_step = 0;
   bool half_kick = false;   ///< v, w are the velocity at this pose, not that of a step
@@ -36,7 +37,7 @@ struct Lane {
   std::vector<int> islands;  ///< components of the graph
   LaneState state, saved_state;
   int step_index = 0;
-  int counted_from = 0;   ///< step that had time_there; times are told from it, not summed up, so that they do not drift
+  int counted_from = 0;  ///< step that had time_there; times are told from it, not summed up, so that they do not drift
   double time_there = 0;  ///< [s]
   double start_correction = 0;
   double start_energy_loss = 0;
@@ -64,9 +65,9 @@ struct Lane {
   }
 };
 
-/// What Simulator and BatchSimulator stand on: equal scenes with numbers of their own (lanes) side by side in one graph.
-/// They step together, but nothing of one lane depends on another: components of the graph converge on their own,
-/// and a lane that fails its step is tried again alone, in shorter steps.
+/// What Simulator and BatchSimulator stand on: equal scenes with numbers of their own (lanes) side by side in one
+/// graph. They step together, but nothing of one lane depends on another: components of the graph converge on their
+/// own, and a lane that fails its step is tried again alone, in shorter steps.
 struct Stepper {
   /// Every lane starts as a copy of the scene. same: one of as many lanes of a scene of the same structure, whose plan
   /// this one shares; may be null. Throws DescriptionError when the scene is wrong.
@@ -90,7 +91,9 @@ struct Stepper {
   [[nodiscard]] graphsolve::NodeId body_node(int lane, int item) const {
     return {lane * (bodies_per_lane + joints_per_lane) + item};
   }
-  [[nodiscard]] graphsolve::NodeId joint_node(int lane, int item) const { return body_node(lane, bodies_per_lane + item); }
+  [[nodiscard]] graphsolve::NodeId joint_node(int lane, int item) const {
+    return body_node(lane, bodies_per_lane + item);
+  }
   [[nodiscard]] int rows_per_lane() const { return static_cast<int>(unknowns.size()) / count(); }
   [[nodiscard]] int count() const { return side_by_side.copies(); }
   /// Of a lane's joints, among the unknowns: they follow the velocities.

@@ -47,8 +47,8 @@ graphsolve::Ordering order_copies(const graphsolve::BlockGraph& all, const graph
 
 }  // namespace
 
-/// Steps start from the velocities of the step before. Were they accepted at what gravity changes in a step, nothing would
-/// ever fall.
+/// Steps start from the velocities of the step before. Were they accepted at what gravity changes in a step, nothing
+/// would ever fall.
 double loosest_tolerance(const Mechanism& mechanism) {
   constexpr double part = 0.01;
   const double gained = mechanism.gravity.norm() * mechanism.time_step;
@@ -67,7 +67,8 @@ Stepper::Stepper(Mechanism scene, int copies, const SimulatorSettings& options, 
   if (!(settings.tolerance > 0 && std::isfinite(settings.tolerance)))
     throw DescriptionError(fmt::format("tolerance {} is not a number > 0", settings.tolerance));
   if (settings.max_substeps < 1 || settings.max_substeps > most_substeps)
-    throw DescriptionError(fmt::format("max_substeps {} is not a number from 1 to {}", settings.max_substeps, most_substeps));
+    throw DescriptionError(
+        fmt::format("max_substeps {} is not a number from 1 to {}", settings.max_substeps, most_substeps));
   for (int lane = 1; lane < copies; ++lane) (void)describe(lane, scene);
   Assembly assembly = describe(0, std::move(scene));
   dt = lanes[0].mechanism.time_step;
@@ -156,8 +157,8 @@ void Stepper::make_solver(const Assembly& assembly, const Stepper* same) {
   saved_impulses.assign(count() * impulses(0).size(), 0.0);
   for (auto* list : {&going_, &solving_, &solved_}) list->reserve(lanes.size());
   components_.reserve(symbolic->components());
-  solver = std::make_unique<graphsolve::InteriorPoint>(*problem, plan,
-                                                       graphsolve::InteriorPointSettings{.tolerance = settings.tolerance});
+  solver = std::make_unique<graphsolve::InteriorPoint>(
+      *problem, plan, graphsolve::InteriorPointSettings{.tolerance = settings.tolerance});
   if (settings.time_phases) solver->set_profile(&profile);
 }
 

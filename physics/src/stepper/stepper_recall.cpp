@@ -4,8 +4,9 @@
 /// After a step that failed in every way: the forces of the step before, as a record of the state tells them.
 namespace physics {
 
-/// What restore() brings back is where the next attempt begins: without forces. Here contacts get theirs back, and joints
-/// the directions that their impulses had; these go by the pose before the last step, which the velocity leads back to.
+/// What restore() brings back is where the next attempt begins: without forces. Here contacts get theirs back, and
+/// joints the directions that their impulses had; these go by the pose before the last step, which the velocity leads
+/// back to.
 void Stepper::recall(int lane) {
   const LaneState& s = lanes[lane].state;
   contacts->recall(lane);

@@ -15,13 +15,16 @@ std::string_view step_explanation(graphsolve::Status status) {
   switch (status) {
     case Status::solved: return "";
     case Status::max_iterations:
-      return "the iterations ran out before the residual reached the tolerance; take a shorter time step or a larger tolerance";
+      return "the iterations ran out before the residual reached the tolerance; take a shorter time step or a larger "
+             "tolerance";
     case Status::stalled:
-      return "no start that was tried led to a motion that all contacts and joints allow, and there may be none near here; take a "
-             "shorter time step";
+      return "no start that was tried led to a motion that all contacts and joints allow, and there may be none near "
+             "here; take a shorter time step";
     case Status::singular:
-      return "a pivot block is singular; look for joints that contradict each other, and for masses far below all others";
-    case Status::not_finite: return "a value became NaN or infinite; look for infinite input, or take a shorter time step";
+      return "a pivot block is singular; look for joints that contradict each other, and for masses far below all "
+             "others";
+    case Status::not_finite:
+      return "a value became NaN or infinite; look for infinite input, or take a shorter time step";
     case Status::step_bound: return "a body would turn farther than a step can say; take a shorter time step";
   }
   return "";

@@ -35,7 +35,8 @@ void Stepper::check_structure(const Mechanism& scene, const Assembly& assembly) 
     const JointGeometry a = on_lane(0, assembly.joints[k]), &b = joints.geometry(joint(0, static_cast<int>(k)));
     const bool same = a.source == b.source && a.type == b.type && a.parent == b.parent && a.child == b.child &&
                       !motor_of(scene, a) == !motor_of(first, b);
-    if (!same) misfit(scene.name, fmt::format("joint '{}' differs in type, bodies or motor", scene.joints[a.source].name));
+    if (!same)
+      misfit(scene.name, fmt::format("joint '{}' differs in type, bodies or motor", scene.joints[a.source].name));
   }
   for (std::size_t k = 0; k < scene.contacts.size(); ++k) {
     const Contact &a = scene.contacts[k], &b = first.contacts[k];

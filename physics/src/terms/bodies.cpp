@@ -69,7 +69,9 @@ void Bodies::let_joints_push() {
 }
 
 void Bodies::hand_out(std::span<double> residual) {
-  groups_.each_again([&](int octet, unsigned used) { kernels_.hand_out(residual_[octet], used, rows_[octet].data(), residual.data()); });
+  groups_.each_again([&](int octet, unsigned used) {
+    kernels_.hand_out(residual_[octet], used, rows_[octet].data(), residual.data());
+  });
 }
 
 /// Keeps |w + alpha dw| dt below the bound: the larger root of a quadratic in alpha.

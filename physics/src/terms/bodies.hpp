@@ -84,8 +84,8 @@ class Bodies final : public graphsolve::Term {
   }
   enum class When { now, next };  ///< between two steps, or at the present iterate
 
-  /// The octet whose lanes hold just these bodies, lane by lane (or `nothing`); the last one is the world's. -1 if there
-  /// is none. Once they are wired.
+  /// The octet whose lanes hold just these bodies, lane by lane (or `nothing`); the last one is the world's. -1 if
+  /// there is none. Once they are wired.
   [[nodiscard]] int octet_of_all(std::span<const int, graphsolve::simd::lanes> body) const;
   [[nodiscard]] const Octet* poses_now(int octet) const { return octets_[octet].state.x; }  ///< 16 numbers, as in Pose
   [[nodiscard]] const Octet* poses_next(int octet) const { return at_[octet].pose; }        ///< 25, as in NextPose
@@ -147,7 +147,8 @@ class Bodies final : public graphsolve::Term {
   std::vector<BodyAtOctet> at_;
   std::vector<ResidualOctet> residual_;  ///< where joints push; else one for all, handed out at once
   std::vector<graphsolve::simd::LaneBlocks> blocks_;  ///< by octet
-  std::vector<std::array<int, graphsolve::simd::lanes>> rows_;  ///< by octet; of lanes without a body those of one that is there
+  /// By octet; of lanes without a body those of one that is there.
+  std::vector<std::array<int, graphsolve::simd::lanes>> rows_;
   bool joints_push_ = false;
   OctetGroups groups_;
   OctetsOfCopies of_copies_;

@@ -113,7 +113,8 @@ class ContactPort : public PlanePoint<ContactPort<Rows>> {
       u[2] = g_.tangent[1].dot(v) + g_.lever[2].dot(w);
     }
   }
-  /// At the solution x of a step: adds the derivatives of -J1^T f by what the step was given, after those of the bodies.
+  /// At the solution x of a step: adds the derivatives of -J1^T f by what the step was given, after those of the
+  /// bodies.
   void differentiate(std::span<const double> x, const ContactResponse<Rows>& response, Sensitivity& out) const;
   /// J1^T (0, f1, f2)
   [[nodiscard]] Eigen::Matrix<double, 6, 1> friction_wrench(const double* f) const {

@@ -49,7 +49,8 @@ void Contacts::add(const Contact& contact, int source, int body) {
     entry.index = any_.add(port(std::integral_constant<int, 3>{}), PyramidLaw<0>(1, 1, 1, contact.directions));
   }
   entry.saved = static_cast<int>(saved_.size());
-  if (entry.batch != Batch::four) saved_.resize(saved_.size() + (entry.batch == Batch::none ? 1 : 4 + contact.directions));
+  if (entry.batch != Batch::four)
+    saved_.resize(saved_.size() + (entry.batch == Batch::none ? 1 : 4 + contact.directions));
   contacts_.push_back(entry);
 }
 
@@ -113,9 +114,12 @@ void Contacts::prepare_entry(Entry& entry, PortType& port, Law& law, const Appro
   if constexpr (PortType::rows == 3) {
     if (!entry.loaded) law.clear();
     // A contact without a history is expected to slip the way gravity pulls.
-    const auto slip = [&](double u, auto&& tangent) { return entry.loaded ? u : u + step.dt * tangent().dot(step.gravity); };
+    const auto slip = [&](double u, auto&& tangent) {
+      return entry.loaded ? u : u + step.dt * tangent().dot(step.gravity);
+    };
     if (entry.aligned)
-      align(entry, port, law, slip(a.slip[0], [&] { return port.tangent1(); }), slip(a.slip[1], [&] { return port.tangent2(); }));
+      align(entry, port, law, slip(a.slip[0], [&] { return port.tangent1(); }),
+            slip(a.slip[1], [&] { return port.tangent2(); }));
     if (step.force_factor != 1) law.scale_impulses(step.force_factor);
   } else {
     law.set_force(entry.loaded ? law.force() * step.force_factor : 0);

@@ -61,7 +61,8 @@ decltype(auto) whole(T& part) {
 
 }  // namespace
 
-void Contacts::differentiate(int lane, std::span<const double> x, bool basis_follows, double stiffness, Sensitivity& out) {
+void Contacts::differentiate(int lane, std::span<const double> x, bool basis_follows, double stiffness,
+                             Sensitivity& out) {
   for (int i = 0; i < per_lane_; ++i) {
     const Entry& entry = contacts_[side_by_side_.index(lane, i)];
     if (!entry.active) continue;

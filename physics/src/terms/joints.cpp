@@ -79,7 +79,8 @@ void Joints::reserve(int joints) {
 }
 
 void Joints::add(const JointGeometry& geometry, const Motor* motor, graphsolve::NodeId node) {
-  Joint joint{.geometry = geometry, .motor = motor, .kind = rows_kind(geometry, motor), .nodes = {node}, .node_count = 1};
+  Joint joint{
+      .geometry = geometry, .motor = motor, .kind = rows_kind(geometry, motor), .nodes = {node}, .node_count = 1};
   if (geometry.child >= 0) joint.nodes[joint.node_count++] = bodies_.node(geometry.child);
   if (geometry.parent >= 0) joint.nodes[joint.node_count++] = bodies_.node(geometry.parent);
   joints_.push_back(joint);

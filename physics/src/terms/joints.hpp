@@ -41,8 +41,8 @@ class Joints final : public graphsolve::Term {
   /// Other numbers for joint i, of the same type between the same bodies.
   void set(int i, const JointGeometry& geometry, const Motor* motor);
 
-  /// Before a step, of a joint with a motor: its state. end_time: of the step [s]. impulse_time: what makes an impulse of
-  /// a force, dt or half of it [s].
+  /// Before a step, of a joint with a motor: its state. end_time: of the step [s]. impulse_time: what makes an impulse
+  /// of a force, dt or half of it [s].
   void prepare(int i, double end_time, double impulse_time);
   /// Force directions of all joints of these copies, at the pose between steps.
   void aim(std::span<const int> copies);
@@ -91,7 +91,8 @@ class Joints final : public graphsolve::Term {
   [[nodiscard]] bool has_motor(int i) const { return joints_[i].motor != nullptr; }
   [[nodiscard]] bool any_motor() const { return !motors_.empty(); }
   [[nodiscard]] int translation_rows(int i) const { return translations(joints_[i].kind); }
-  /// What the last step left: impulses of the unknowns are forces by it. Told once more for another pose, it can be put back.
+  /// What the last step left: impulses of the unknowns are forces by it. Told once more for another pose, it can be put
+  /// back.
   struct Aim {
     std::vector<Octet> forces;
     std::vector<MotorOctet> motors;
@@ -153,7 +154,8 @@ class Joints final : public graphsolve::Term {
     return {joints_[i].geometry.child, joints_[i].geometry.parent};
   }
   [[nodiscard]] unsigned lanes_used(int octet) const;
-  /// Eight joints with the same kind of rows, and where their numbers lie below: what the kind does not need is not there.
+  /// Eight joints with the same kind of rows, and where their numbers lie below: what the kind does not need is not
+  /// there.
   struct JointOctet {
     JointRows kind;
     int frames = -1, motor = -1;

@@ -65,7 +65,8 @@ double Joints::rate_of_velocities(const JointGeometry& g) const {
 void Joints::reset_coordinate(int i) {
   Joint& joint = joints_[i];
   if (joint.motor || counts_turns(joint))
-    joint.coordinate = coordinate(joint, bodies_.pose_now(joint.geometry.parent), bodies_.pose_now(joint.geometry.child));
+    joint.coordinate =
+        coordinate(joint, bodies_.pose_now(joint.geometry.parent), bodies_.pose_now(joint.geometry.child));
 }
 
 void Joints::set_turn(int i, double told) {

@@ -44,13 +44,16 @@ void Joints::evaluate(graphsolve::Instances instances, std::span<const double> x
   push();
   bodies_.hand_out(residual);
   if (!values || !bodies_.force_at_next) return;
-  for (const int i : instances.index) add_direction_derivative(joints_[i], Eigen::Map<const Vec3>(x.data() + joints_[i].row), values);
+  for (const int i : instances.index)
+    add_direction_derivative(joints_[i], Eigen::Map<const Vec3>(x.data() + joints_[i].row), values);
 }
 
 /// Poses: whole octets, or lane by lane.
 void Joints::point_at(JointOctet& octet, When when) const {
   const auto point = [&](int whole, const auto& places, const Octet*& all, const double** lanes) {
-    const auto poses = [&](int bodies) { return when == When::now ? bodies_.poses_now(bodies) : bodies_.poses_next(bodies); };
+    const auto poses = [&](int bodies) {
+      return when == When::now ? bodies_.poses_now(bodies) : bodies_.poses_next(bodies);
+    };
     if (whole >= 0) {
       all = poses(whole);
       return;

@@ -17,7 +17,8 @@ Mat3 hinge_direction_derivative(const Vec3& axis, const Quat& e, const Quaternio
   const double w = e.w(), along = axis.dot(v), square = w * w + along * along;
   const Vec3 direction = (w * w * axis + along * v + sign * w * cross) / square;
   const Eigen::RowVector3d by_along = axis.transpose() * by.vector;
-  Mat3 d = (2 * w * axis + sign * cross) * by.scalar + v * by_along + along * by.vector + sign * w * skew(axis) * by.vector;
+  Mat3 d =
+      (2 * w * axis + sign * cross) * by.scalar + v * by_along + along * by.vector + sign * w * skew(axis) * by.vector;
   d -= direction * (2 * w * by.scalar + 2 * along * by_along);
   return d / square;
 }
@@ -32,7 +33,8 @@ struct Joints::DirectionDerivative {
 };
 
 /// World axes: torques p x R^T f. Axes of the parent: f = R_a c, on the child's point, against the parent's frame.
-void Joints::differentiate_translation(const Joint& joint, std::span<const double> lambda, DirectionDerivative& d) const {
+void Joints::differentiate_translation(const Joint& joint, std::span<const double> lambda,
+                                       DirectionDerivative& d) const {
   const JointGeometry& g = joint.geometry;
   const Pose a = bodies_.pose_now(g.parent), b = bodies_.pose_now(g.child);
   if (translations(joint.kind) == 3) {

@@ -12,7 +12,8 @@ void Joints::wire(const graphsolve::Wiring& wiring) {
   if (joints_.empty()) return;
   std::vector<Placed> placed;
   for (Joint& joint : joints_) {
-    // In the lane of the child, whose block with the joint mostly lies in the child's panel: read, pushed and written whole.
+    // In the lane of the child, whose block with the joint mostly lies in the child's panel: read, pushed and written
+    // whole.
     const int leads = joint.geometry.child >= 0 ? joint.geometry.child : joint.geometry.parent;
     placed.push_back({static_cast<int>(joint.kind), wiring.block(bodies_.node(leads), bodies_.node(leads))});
     joint.row = wiring.row(joint.nodes[0]);
@@ -87,7 +88,8 @@ void Joints::find_blocks(const graphsolve::Wiring& wiring) {
     connect(joint.geometry.child, blocks.to_child, blocks.from_child);
   }
   for (JointBlocks& blocks : blocks_)
-    for (auto* some : {&blocks.own, &blocks.to_child, &blocks.from_child, &blocks.to_parent, &blocks.from_parent}) some->finish();
+    for (auto* some : {&blocks.own, &blocks.to_child, &blocks.from_child, &blocks.to_parent, &blocks.from_parent})
+      some->finish();
 }
 
 /// Octets of bodies that lie in the lanes of their joints.

@@ -85,11 +85,13 @@ void PyramidContacts::give(const ContactTask& task, int octet, F&& f) const {
 }
 
 /// The largest of each component, of results of the used lanes. A NaN stays, as in graphsolve::keep_largest.
-void PyramidContacts::give_largest(const ContactTask& task, int octet, const Octet& out, std::span<double> by_component) const {
+void PyramidContacts::give_largest(const ContactTask& task, int octet, const Octet& out,
+                                   std::span<double> by_component) const {
   const LanePlaces& places = lane_places_[octet];
   if (places.side_by_side && task.used == 0xffu) {
     double* to = by_component.data() + places.component[0];
-    for (int l = 0; l < graphsolve::simd::lanes; ++l) to[l] = out.lane[l] > to[l] || out.lane[l] != out.lane[l] ? out.lane[l] : to[l];
+    for (int l = 0; l < graphsolve::simd::lanes; ++l)
+      to[l] = out.lane[l] > to[l] || out.lane[l] != out.lane[l] ? out.lane[l] : to[l];
     return;
   }
   for (unsigned rest = task.used; rest != 0; rest &= rest - 1) {
@@ -100,7 +102,9 @@ void PyramidContacts::give_largest(const ContactTask& task, int octet, const Oct
 
 /// Whole octets, or lane by lane.
 void PyramidContacts::point_at_poses(ContactTask& task, int octet, When when) const {
-  const auto poses = [&](int bodies) { return when == When::now ? bodies_.poses_now(bodies) : bodies_.poses_next(bodies); };
+  const auto poses = [&](int bodies) {
+    return when == When::now ? bodies_.poses_now(bodies) : bodies_.poses_next(bodies);
+  };
   if (beside_[octet] >= 0) {
     task.poses = poses(beside_[octet]);
     if (when == When::next) task.velocities = bodies_.velocities_next(beside_[octet]);

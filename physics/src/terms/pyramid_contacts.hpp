@@ -61,7 +61,9 @@ class PyramidPort : public PlanePoint<PyramidPort> {
   [[nodiscard]] ContactPort<3> copy() const;
 
  private:
-  [[nodiscard]] Vec3 at(const Octet* numbers) const { return {numbers[0][lane_], numbers[1][lane_], numbers[2][lane_]}; }
+  [[nodiscard]] Vec3 at(const Octet* numbers) const {
+    return {numbers[0][lane_], numbers[1][lane_], numbers[2][lane_]};
+  }
   void set(Octet* numbers, const Vec3& v) const {
     for (int k = 0; k < 3; ++k) numbers[k][lane_] = v[k];
   }
@@ -71,8 +73,8 @@ class PyramidPort : public PlanePoint<PyramidPort> {
   int lane_;
 };
 
-/// Contacts with four friction facets, eight at a time: ContactPort<3> with PyramidLaw<4>, computed by kernels for packs.
-/// All numbers lie in octets: what a contact is, what a step needs, and the private unknowns of the laws.
+/// Contacts with four friction facets, eight at a time: ContactPort<3> with PyramidLaw<4>, computed by kernels for
+/// packs. All numbers lie in octets: what a contact is, what a step needs, and the private unknowns of the laws.
 class PyramidContacts final : public graphsolve::PortBatch {
  public:
   explicit PyramidContacts(Bodies& bodies) : bodies_(bodies) {}

@@ -51,7 +51,8 @@ void PyramidContacts::find_lane_places(const graphsolve::Wiring& wiring) {
   std::map<int, int> last;  // contact, by component
   in_order_ = true;
   for (const int i : contact_at_)
-    if (i >= 0 && std::exchange(last.try_emplace(wiring.component(seats_[i].node), -1).first->second, i) > i) in_order_ = false;
+    if (i >= 0 && std::exchange(last.try_emplace(wiring.component(seats_[i].node), -1).first->second, i) > i)
+      in_order_ = false;
   for (int octet = 0; octet < static_cast<int>(octets_.size()); ++octet) {
     LanePlaces& places = lane_places_[octet];
     unsigned used = 0;

@@ -20,8 +20,8 @@ inline double largest_stiffness(double mass, double smallest_inertia, double arm
   return 1e12 / (1 / mass + arm * arm / smallest_inertia);
 }
 
-/// One step of the relaxation of a friction bound: frozen at what it is, moved by `damping`, or set free by 0. Returns the
-/// change relative to the scale. Flag is bool or a number that is 0 or 1.
+/// One step of the relaxation of a friction bound: frozen at what it is, moved by `damping`, or set free by 0. Returns
+/// the change relative to the scale. Flag is bool or a number that is 0 or 1.
 template <class Flag>
 double relax_bound(double bound, double scale, double damping, Flag& frozen, double& frozen_bound) {
   if (damping == 0) {
@@ -126,8 +126,9 @@ class PyramidLaw : public PyramidImpulses<PyramidLaw<Facets>> {
     }
     bound_residual_ = (frozen_ ? frozen_bound_ : friction_ * normal_.z) - sum - bound_.z;
   }
-  /// Residuals, and of each pair the smaller side as u and the impulses alone make it: gap u_n, psi = max(0, -min d_i.u),
-  /// eta_i = d_i.u + psi. (The slack psi can be off by a residual of one facet and so hide half of another's slip.)
+  /// Residuals, and of each pair the smaller side as u and the impulses alone make it: gap u_n, psi = max(0, -min
+  /// d_i.u), eta_i = d_i.u + psi. (The slack psi can be off by a residual of one facet and so hide half of another's
+  /// slip.)
   [[nodiscard]] double natural_error(double m) const {
     const double gap = std::abs(normal_residual_), bound = std::abs(bound_residual_) / m;
     double largest = gap, psi = 0;
@@ -195,7 +196,8 @@ class PyramidLaw : public PyramidImpulses<PyramidLaw<Facets>> {
     normal_defect_ = normal_.defect(mu, correction);
     bound_defect_ = bound_.defect(mu, correction);
     normal_shift_ = normal_residual_ + normal_defect_ / normal_.z;
-    double sum = -(bound_residual_ + bound_defect_ / bound_.s) + (frozen_ ? 0 : friction_) * normal_ratio_ * normal_shift_;
+    double sum =
+        -(bound_residual_ + bound_defect_ / bound_.s) + (frozen_ ? 0 : friction_) * normal_ratio_ * normal_shift_;
     for (int i = 0; i < facets(); ++i) {
       defect_[i] = facet_[i].defect(mu, correction);
       shift_[i] = residual_[i] + defect_[i] / facet_[i].z;
