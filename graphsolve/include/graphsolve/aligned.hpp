@@ -1,5 +1,7 @@
 #pragma once
 
+// For members of other headers; outside the version promise (docs/architecture.md).
+
 #include <cstddef>
 #include <new>
 #include <vector>

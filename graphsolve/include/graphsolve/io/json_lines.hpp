@@ -1,5 +1,7 @@
 #pragma once
 
+// For the readers of graphsolve and physics; outside the version promise (docs/architecture.md).
+
 #include <cctype>
 #include <cstddef>
 #include <cstdint>

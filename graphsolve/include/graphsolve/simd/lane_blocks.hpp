@@ -1,5 +1,7 @@
 #pragma once
 
+// For the kernels of graphsolve and physics; outside the version promise (docs/architecture.md).
+
 #include <array>
 #include <cstdint>
 

@@ -1,3 +1,4 @@
+// For the kernels of graphsolve and physics; outside the version promise (docs/architecture.md).
 // Included once per instruction set by Highway's foreach_target.hpp: the guard below toggles, as Highway asks.
 #if defined(GRAPHSOLVE_SIMD_PACK_MEMORY_INL_HPP_) == defined(HWY_TARGET_TOGGLE)
 #ifdef GRAPHSOLVE_SIMD_PACK_MEMORY_INL_HPP_

@@ -1,5 +1,7 @@
 #pragma once
 
+// For the kernels of graphsolve and physics; outside the version promise (docs/architecture.md).
+
 /// Include before Highway: the instruction sets that code on packs is compiled for. Plain, AVX2 and AVX-512; what
 /// lies between brings nothing and costs compile time.
 #ifdef HWY_DISABLED_TARGETS
