@@ -19,7 +19,8 @@ physics::Mechanism make_snake(int links) {
   return physics::scenes::snake({.links = links, .friction = friction, .time_step = time_step});
 }
 
-// The last field is what the authors' own code took; see `published_source`.
+// The last field is what the authors' own code took, of numbers.md of the project's papers, "The authors' own code": size,
+// ms per step, mean Newton iterations, steps not converged. `published_source` says how they came about.
 const std::array families{
     Family{
         "disc",

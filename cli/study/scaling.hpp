@@ -18,7 +18,7 @@ inline constexpr double time_step = 0.01, friction = 0.2;
 inline constexpr int fit_from = 10;   ///< smaller ones show the cost of a step that no size changes
 inline constexpr int paper_to = 100;  ///< the paper's largest size
 
-/// Of the authors' own code, at one size.
+/// Of the authors' own code, at one size; measured once by this project, not by the study.
 struct Published {
   int size;
   double milliseconds, iterations;  ///< per step

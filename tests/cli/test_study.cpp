@@ -148,7 +148,9 @@ TEST_F(StudyProgram, ScalingFindsNoFailedStepAndOneMoreLinkAlwaysCostsTheSameOpe
   EXPECT_TRUE(data["quick"]);
   for (const char* key : {"commit", "date", "processor", "compiler", "flags", "unit_ns"})
     EXPECT_TRUE(data["machine"].contains(key)) << key;
+  EXPECT_NE(out_.find("which is not measured here: ConstrainedDynamics.jl 0.9.1"), out_.npos) << out_;
   for (const char* family : {"disc", "snake"}) {
+    EXPECT_NE(data[family]["authors_code"]["source"].get<std::string>().find("numbers.md"), std::string::npos);
     const auto& difference = data[family]["operation_difference"];
     EXPECT_EQ(difference["smallest"], difference["largest"]) << family;
     for (const auto& row : data[family]["rows"]) {
