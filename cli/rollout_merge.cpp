@@ -5,10 +5,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <optional>
-#include <sstream>
 #include <system_error>
 
-#include "physics/scene_io.hpp"
+#include "graphsolve/io/output_file.hpp"
+#include "physics/mechanism.hpp"
 #include "rollout_lines.hpp"
 
 namespace cli {
@@ -74,6 +74,27 @@ void check_target(const std::string& out, const Json& header) {
                                        out));
 }
 
+/// All of them are looked at before any is written: what is no ordinary file, such as a pipe, could not take them back.
+void check_records(const Part& part, long long copies, Tally& tally) {
+  Lines lines(part.path);
+  std::string line;
+  lines.next(line);
+  const long long due = read_records(lines, part.shard.first(copies), part.path, tally);
+  if (due != part.shard.last(copies))
+    throw DescriptionError(fmt::format("{}: is not complete: copy {} is due", part.path, due));
+}
+
+/// One line at a time: together they may be more than the memory.
+void copy_records(const Part& part, long long copies, graphsolve::io::OutputFile& file) {
+  Lines lines(part.path);
+  std::string line;
+  lines.next(line);
+  for (long long copy = part.shard.first(copies); copy < part.shard.last(copies); ++copy) {
+    if (!lines.next(line)) throw DescriptionError(fmt::format("{}: has changed while it was read", part.path));
+    file.write(line += '\n');
+  }
+}
+
 }  // namespace
 
 Tally merge_rollouts(const std::vector<std::string>& parts, const std::string& out) {
@@ -87,20 +108,13 @@ Tally merge_rollouts(const std::vector<std::string>& parts, const std::string& o
   }
   const auto copies = get<long long>(common, "copies", found.front().path + ":1");
   Tally tally;
-  std::ostringstream text;
-  text << common.dump() << '\n';
-  for (const Part& part : found) {
-    Lines lines(part.path);
-    std::string line;
-    lines.next(line);
-    const long long due = read_records(lines, part.shard.first(copies), part.path, tally);
-    if (due != part.shard.last(copies))
-      throw DescriptionError(fmt::format("{}: is not complete: copy {} is due", part.path, due));
-    Lines again(part.path);
-    again.next(line);
-    while (again.next(line)) text << line << '\n';
-  }
-  physics::write_text_file(text.str(), out);
+  for (const Part& part : found) check_records(part, copies, tally);
+  graphsolve::io::OutputFile file(out, [](const std::string& path, std::string_view reason) {
+    throw DescriptionError(fmt::format("cannot write '{}': {}", path, reason));
+  });
+  file.write(common.dump() + '\n');
+  for (const Part& part : found) copy_records(part, copies, file);
+  file.commit();
   return tally;
 }
 
