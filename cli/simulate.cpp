@@ -52,7 +52,7 @@ CLI::Validator friction_model() {
 void add_options(CLI::App& command, Options& options) {
   command
       .add_option("SCENE", options.scene,
-                  "A .json or .toml file, or a built-in scene with parameters (see 'graphsolve scenes')")
+                  "A .json or .toml file, or a built-in scene with parameters, as 'graphsolve scenes' lists them")
       ->required()
       ->type_name("");
   constexpr int most = std::numeric_limits<int>::max();
