@@ -149,7 +149,10 @@ int rollout_here(const RolloutOptions& options, const Processes& processes) {
   if (!plan) return wrong_input;
   const auto& [request, shard, in_parts, finished] = *plan;
   const bool many = processes.count() > 1, first = processes.rank() == 0;
-  if (first) (void)tolerance_used(request.tolerance, request.mechanism);
+  if (first) {
+    (void)tolerance_used(request.tolerance, request.mechanism);
+    note_coarse_step(request.mechanism);
+  }
   catch_interrupts();
   const auto begin = std::chrono::steady_clock::now();
   Part part;

@@ -235,6 +235,8 @@ TEST_F(Cli, WrongOptionsAreRefusedInOneLine) {
             "graphsolve: --steps: must be a whole number >= 0, not -3 (see 'graphsolve simulate --help')\n");
   EXPECT_NE(refused("simulate disc --steps 1e3").find("must be a whole number >= 0, not 1e3"), std::string::npos);
   EXPECT_NE(refused("simulate disc --steps 99999999999").find("must not be above 2147483647"), std::string::npos);
+  EXPECT_EQ(refused("simulate"), "graphsolve: SCENE is missing: A .json or .toml file, or a built-in scene with parameters, "
+                                 "as 'graphsolve scenes' lists them (see 'graphsolve simulate --help')\n");
   EXPECT_EQ(refused("study --quick"),
             "graphsolve: NAME is missing: One or more of: scaling, precision (see 'graphsolve study --help')\n");
   for (const char* options : {"--quik", "--quik=3", "--quik 3"})
@@ -277,6 +279,29 @@ TEST_F(Cli, WrongScenesAreRefusedInOneLine) {
   EXPECT_EQ(refused("simulate b.toml --out t.json"), "graphsolve: b.toml:6: body 'disc': mass -1 kg is not > 0\n");
   EXPECT_EQ(refused("rollout b.toml --copies 2 --steps 1"), "graphsolve: b.toml:6: body 'disc': mass -1 kg is not > 0\n");
   EXPECT_EQ(refused("analyze b.toml"), "graphsolve: b.toml:6: body 'disc': mass -1 kg is not > 0\n");
+}
+
+TEST_F(Cli, ACoarseTimeStepIsNotedAndTaken) {
+  Outcome outcome = run("simulate box_on_slope --time-step 100 --steps 1");
+  EXPECT_NE(outcome.code, 2);
+  EXPECT_NE(outcome.err.find("graphsolve: note: a time step of 100 s is coarse here: |g| dt^2, what a body falls in it, is "
+                             "9.81e+04 m, and no joint or contact is farther than "),
+            std::string::npos)
+      << outcome.err;
+  outcome = run("rollout box_on_slope:dt=1 --copies 1 --steps 1");
+  EXPECT_TRUE(outcome.err.starts_with("graphsolve: note: a time step of 1 s is coarse here: ")) << outcome.err;
+  // 2 asin(w dt / 2) / 2 pi
+  outcome = run("simulate free_top:spin=40,dt=0.02 --steps 1");
+  EXPECT_NE(outcome.err.find("coarse here: body 'top' starts at 0.13 turns a step"), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find("falls"), std::string::npos) << "no gravity";
+}
+
+TEST_F(Cli, NoBuiltInSceneHasACoarseTimeStep) {
+  for (const auto& info : physics::built_in_scenes()) {
+    const Outcome outcome = run("simulate " + info.name + " --steps 1");
+    EXPECT_EQ(outcome.code, 0) << info.name;
+    EXPECT_EQ(outcome.err, "") << info.name;
+  }
 }
 
 TEST_F(Cli, EmptySceneFilesAreSaidToBeEmpty) {
