@@ -128,7 +128,7 @@ void report(const char* title, const Network& network, const Flow& flow) {
 }  // namespace
 
 int main(int count, char** words) try {
-  no_arguments(count, words);
+  no_arguments(count, words, "Least-cost flow through a network with capacities: a linear program on a graph.");
   Network network = make_network();
   const Flow linear = solve(network);
   report("linear cost", network, linear);

@@ -104,7 +104,8 @@ void report(const Membrane& m) {
 }  // namespace
 
 int main(int count, char** words) try {
-  no_arguments(count, words);
+  no_arguments(count, words,
+               "A membrane stretched over a ball, and the region where it lies on it: the obstacle problem.");
   const Membrane coarse = solve(31);
   for (int i = 0; i < coarse.points; ++i) {
     for (int j = 0; j < coarse.points; ++j) std::putchar(coarse.touches[i * coarse.points + j] ? '#' : '.');

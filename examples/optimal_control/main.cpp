@@ -35,7 +35,7 @@ const std::vector<double> identity{1, 0, 0, 1};
 }  // namespace
 
 int main(int count, char** words) try {
-  no_arguments(count, words);
+  no_arguments(count, words, "Bounded optimal control on a chain: graphsolve without any mechanics.");
   BlockGraph graph;
   QuadraticCost cost;
   LinearConstraint dynamics;

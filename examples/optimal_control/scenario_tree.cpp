@@ -143,7 +143,7 @@ double riccati_input() {
 }  // namespace
 
 int main(int count, char** words) try {
-  no_arguments(count, words);
+  no_arguments(count, words, "Bounded optimal control under uncertain wind: a tree of scenarios instead of a chain.");
   const std::vector<TreeNode> tree = make_tree();
   std::vector<double> slope;
   const Solution free = solve(tree, 100.0), bounded = solve(tree, 1.0);

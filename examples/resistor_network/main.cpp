@@ -121,7 +121,7 @@ void compare(const char* name, double computed, double closed_form, const Networ
 }  // namespace
 
 int main(int count, char** words) try {
-  no_arguments(count, words);
+  no_arguments(count, words, "Resistances between nodes of electrical networks, held against closed forms.");
   Network t = torus(30), l = ladder(6), c = cube();
   compare("torus of 30 x 30, neighbours", t.resistance(0, 1), 899.0 / 1800.0, t);
   compare("torus of 30 x 30, others", t.resistance(437, 438), 899.0 / 1800.0, t);

@@ -59,7 +59,8 @@ std::optional<Slide> slide(const Eigen::Vector2d& velocity) {
 }  // namespace
 
 int main(int count, char** words) try {
-  no_arguments(count, words);
+  no_arguments(count, words,
+               "How to push a box so that it stops on a mark, found by derivatives of all steps of its slide.");
   const Eigen::Vector2d mark(0.4, 0.3);
   Eigen::Vector2d velocity(0.5, -0.5);
   for (int k = 0; k < 12; ++k) {

@@ -7,8 +7,12 @@
 // sweep of E, next to the value found by bisection of the same circuit by hand, min(v, 5.1) with
 // (|E| - 0.7 - v) / 2 = i_lamp(v); and the sum of currents at every node.
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <exception>
+#include <memory>
+#include <vector>
 
 #include "../no_arguments.hpp"
 #include "across.hpp"
@@ -81,7 +85,8 @@ double by_hand(double emf) {
 }  // namespace
 
 int main(int count, char** words) try {
-  no_arguments(count, words);
+  no_arguments(count, words,
+               "A rectifier, of a term, a port and a law of one's own; docs/write_a_term.md explains them.");
   check_derivatives();
   double worst = 0, lost = 0;
   for (const double emf : {-9.0, -6.0, -3.0, -0.5, 0.0, 0.5, 3.0, 6.0, 9.0}) {
