@@ -4,7 +4,7 @@
 //
 // `run_batch` asks for each copy, steps them in the lanes of one batch per thread, and hands out what became of them,
 // in order: the status of the last step tried, the steps solved, the state at the end. A copy's numbers do not depend
-// on how many threads or lanes there are. Expect eight boxes that have slid v^2 / (2 mu g), to 1 %.
+// on how many threads or lanes there are. Expect eight boxes that have slid v^2 / (2 mu g), to 0.1 mm.
 
 #include <cstdio>
 #include <exception>
