@@ -206,6 +206,7 @@ class LinesOfPlaces : public testing::Test {
     for (const std::string& file : files_) std::filesystem::remove(file);
   }
   std::string file(const std::string& name, const std::string& text) {
+    std::filesystem::create_directories(testing::TempDir());
     files_.push_back((std::filesystem::path(testing::TempDir()) / name).string());
     std::ofstream(files_.back()) << text;
     return files_.back();
