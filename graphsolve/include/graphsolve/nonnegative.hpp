@@ -47,7 +47,7 @@ class Nonnegative {
   [[nodiscard]] double largest_product() const { return pair_.s * pair_.z; }
   void condense(double largest_ratio, double* k) {
     ratio_ = std::min({pair_.z / pair_.s, largest_ratio_, largest_ratio});
-    k[0] = ratio_;
+    k[0] = std::max(ratio_, smallest_ratio * scale_);
   }
   void right_hand_side(double mu, double correction, double* f0) {
     defect_ = pair_.defect(mu, correction);
@@ -64,6 +64,9 @@ class Nonnegative {
   static double relax(double) { return 0; }  // monotone: nothing to freeze
 
  private:
+  /// Of f/s over the scale in the matrix. A limit that is far away would be all that a cost without curvature has on its
+  /// diagonal; divided by so little, what the shift of constraints leaves undone would never fall below a tolerance.
+  static constexpr double smallest_ratio = 1e-11;
   Pair pair_;
   double scale_, largest_ratio_;
   double residual_ = 0, ratio_ = 0, defect_ = 0, shift_ = 0;

@@ -127,7 +127,7 @@ class InteriorPoint::Impl {
   // By component.
   std::vector<ComponentReport> reports_;
   std::vector<double> error_, previous_error_, product_, mu_, alpha_, ratio_, sum_, correction_, scale_, change_,
-      last_alpha_, port_error_, start_error_, start_residual_;
+      last_alpha_, port_error_, start_error_, start_residual_, cold_error_;
   std::vector<int> degree_, attempt_iterations_, short_steps_, halvings_, freezes_,
       expected_iterations_;  ///< those that the solve before took
   std::vector<Status> trouble_;  ///< why the present attempt has to end; solved: it need not

@@ -66,7 +66,7 @@ InteriorPoint::Impl::Impl(Problem& problem, std::shared_ptr<const Symbolic> symb
   row_scale_.assign(s.rows(), std::numeric_limits<double>::quiet_NaN());
   std::ranges::copy(problem_.row_scale(), row_scale_.begin());
   for (auto* v : {&error_, &previous_error_, &product_, &mu_, &alpha_, &ratio_, &sum_, &correction_, &scale_, &change_,
-                  &last_alpha_, &port_error_, &start_error_, &start_residual_})
+                  &last_alpha_, &port_error_, &start_error_, &start_residual_, &cold_error_})
     v->assign(components, 0.0);
   for (auto* v : {&degree_, &attempt_iterations_, &short_steps_, &halvings_, &freezes_, &expected_iterations_})
     v->assign(components, 0);

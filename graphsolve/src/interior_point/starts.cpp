@@ -34,6 +34,7 @@ void InteriorPoint::Impl::start_warm() {
   for (const int c : running_) {
     start_error_[c] = port_error_[c];
     start_residual_[c] = error_[c];
+    cold_error_[c] = 0;
     if (degree_[c] == 0 || error_[c] <= tolerance(c)) continue;
     // Rows that know nothing of the ports say little about how far these are from their path.
     const double e = std::max(port_error_[c], 0.03 * error_[c]);
@@ -108,7 +109,7 @@ double InteriorPoint::Impl::unit_of_forces(int c) const {
 void InteriorPoint::Impl::next_attempt(int c) {
   const Status cause = trouble_[c];
   const auto ports = problem_.ports();
-  const double usual = std::max(1.0, start_error_[c]);
+  const double usual = std::max(1.0, start_error_[c]), large = std::max(start_residual_[c], cold_error_[c]);
   trouble_[c] = Status::solved;
   if (phase_[c] == Phase::refrozen && std::isfinite(error_[c])) {  // too small a start: pairs jam at their bounds
     phase_[c] = Phase::frozen;
@@ -123,7 +124,7 @@ void InteriorPoint::Impl::next_attempt(int c) {
   scale_[c] = scale_of_laws(c);
   const double unit = unit_of_forces(c);
   const bool rescale = scale_[c] < small_scale * unit;
-  const int most_attempts = (start_residual_[c] > usual ? 5 : 4) + (rescale ? 1 : 0);
+  const int most_attempts = (large > usual ? 5 : 4) + (rescale ? 1 : 0);
   if (degree_[c] == 0 || reports_[c].attempts == most_attempts) {
     reports_[c].status = cause;
     blame(c);
@@ -140,12 +141,12 @@ void InteriorPoint::Impl::next_attempt(int c) {
   if (rescale && attempt == most_attempts) {
     phase_[c] = Phase::rescaled;
     scale_[c] = unit;
-    restart_cold(c, std::max(usual, start_residual_[c]));
+    restart_cold(c, std::max(usual, large));
     return;
   }
   // The natural size of velocities here is what the start showed, but not less than 1. Where the data are much larger
   // than 1 (costs, prices), pairs that start small jam at their bounds.
-  restart_cold(c, attempt == 3 ? 0.01 : attempt == 5 ? start_residual_[c] : usual);
+  restart_cold(c, attempt == 3 ? 0.01 : attempt == 5 ? large : usual);
   if (attempt == 4) {
     phase_[c] = Phase::frozen;
     for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->relax(of_component(port_lists_[b], c), 1.0, change_);
