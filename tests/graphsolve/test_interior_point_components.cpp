@@ -101,4 +101,23 @@ TEST(InteriorPointComponents, SelectedLaterAreMeasuredByTheirOwnScaleAsThoseSele
   }
 }
 
+/// With nothing selected there is nothing to do: laws of components that ran before keep their forces.
+TEST(InteriorPointComponents, OfWhichNoneIsSelectedAreLeftAsTheyAre) {
+  Programs p(11);
+  std::vector<double> x(p.problem->graph().rows(), 0.0);
+  const std::vector<int> some{0, 1}, none;
+  p.solver->select(some);
+  ASSERT_EQ(p.solver->solve(x), Status::solved);
+  const auto forces = [&] {
+    std::vector<double> all;
+    for (int i = 0; i < p.bounds.size(); ++i) all.push_back(p.bounds.law(i).force());
+    return all;
+  };
+  const std::vector<double> before = forces(), at = x;
+  p.solver->select(none);
+  EXPECT_EQ(p.solver->solve(x, 10), Status::solved);
+  EXPECT_EQ(forces(), before);
+  EXPECT_EQ(x, at);
+}
+
 }  // namespace test_interior_point_components

@@ -270,7 +270,9 @@ TEST(Diagnosis, NamesRedundantRowsOfAProblemOfTheInteriorPoint) {
   InteriorPoint solver(problem, std::make_shared<const Symbolic>(problem.graph(), minimum_fill_ordering(problem.graph())));
   std::vector<double> x(4, 0.0);
   ASSERT_EQ(solver.solve(x), Status::solved);
-  const Diagnosis d = diagnose(problem.graph(), solver.factorize_terms(x), {});
+  const Factorization::Outcome outcome = solver.factorize_terms(x);
+  EXPECT_EQ(outcome.dropped_rows, 1);
+  const Diagnosis d = diagnose(problem.graph(), solver.factorization(), outcome);
   ASSERT_EQ(d.redundant.size(), 1u);
   EXPECT_EQ(d.redundant[0].redundant_rows, 1);
   EXPECT_NE(std::ranges::find(d.redundant[0].nodes, "second"), d.redundant[0].nodes.end());

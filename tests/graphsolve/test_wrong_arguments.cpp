@@ -194,6 +194,34 @@ TEST(WrongArguments, AnInteriorPointKnowsThatItsTermsWereWiredForAnother) {
   EXPECT_THROW((void)other.solve(x), std::logic_error);
 }
 
+TEST(WrongArguments, AnInteriorPointKnowsThatOneOfItsTermsWentToAnotherProblem) {
+  TwoBatches a;
+  InteriorPoint solver(a.problem, a.two.symbolic);
+  std::vector<double> x(3, 0.0);
+  ASSERT_EQ(solver.solve(x), Status::solved);
+  Problem larger([&] {
+    BlockGraph graph = a.two.graph;
+    (void)graph.add_node("c", 4);
+    return graph;
+  }());
+  larger.add(a.first);
+  const InteriorPoint other(larger, std::make_shared<const Symbolic>(larger.graph(), minimum_fill_ordering(larger.graph())));
+  EXPECT_THROW((void)solver.solve(x), std::logic_error);
+}
+
+TEST(WrongArguments, AnInteriorPointThatCannotBeMadeLeavesTheOneBeforeAlone) {
+  TwoBatches a;
+  InteriorPoint solver(a.problem, a.two.symbolic);
+  EXPECT_THROW(InteriorPoint(a.problem, a.two.symbolic, {.tolerance = -1}), std::invalid_argument);
+  BlockGraph turned;
+  (void)turned.add_node("a", 1);
+  (void)turned.add_node("b", 2);
+  EXPECT_THROW(InteriorPoint(a.problem, std::make_shared<const Symbolic>(turned, natural_ordering(turned))),
+               std::invalid_argument);
+  std::vector<double> x(3, 0.0);
+  EXPECT_EQ(solver.solve(x), Status::solved);
+}
+
 TEST(WrongArguments, AnInteriorPointLooksAtTheSizesOfWhatItIsGiven) {
   TwoBatches a;
   BlockGraph other;
@@ -209,6 +237,8 @@ TEST(WrongArguments, AnInteriorPointLooksAtTheSizesOfWhatItIsGiven) {
   EXPECT_THROW((void)solver.factorize_terms(few), std::invalid_argument);
   EXPECT_THROW((void)solver.linearize(few, 0, 1e10, target), std::invalid_argument);
   EXPECT_THROW((void)solver.linearize(x, 0, 1e10, foreign), std::invalid_argument);
+  Factorization symmetric(a.two.symbolic, FactorizationKind::ldlt);
+  EXPECT_THROW((void)solver.linearize(x, 0, 1e10, symmetric), std::invalid_argument);
   EXPECT_THROW(solver.set_row_scale({0}, std::vector<double>{1}), std::invalid_argument);
   EXPECT_THROW(solver.set_row_scale({1}, std::vector<double>{1, 1}), std::invalid_argument);
   EXPECT_THROW(solver.set_row_scale({2}, std::vector<double>{1}), std::invalid_argument);

@@ -38,8 +38,8 @@ struct Profile {
 
 /// Primal-dual interior point (Mehrotra predictor-corrector) on the graph. Every connected component has a barrier,
 /// step length and end of its own; without an active port plain Newton. symbolic: of problem.graph() after every add();
-/// what is added later, and another InteriorPoint or check_terms of the same problem, which wires its terms anew, make
-/// solve, linearize and factorize_terms throw std::logic_error. Allocates in the constructor only. Laws keep their
+/// what is added later, and another InteriorPoint or check_terms that wires one of its terms anew, make solve, linearize and
+/// factorize_terms throw std::logic_error. Allocates in the constructor only. Laws keep their
 /// private unknowns between solves: the next solve starts warm.
 class InteriorPoint {
  public:
@@ -69,7 +69,7 @@ class InteriorPoint {
   /// Throws std::invalid_argument when x or noise has another length than the graph has rows or components.
   Status solve(std::span<double> x, double force_factor = 1, std::span<const double> noise = {});
 
-  /// By component, of the last solve that it took part in.
+  /// By component, of the last solve that it took part in; before the first, solved in no iterations.
   [[nodiscard]] std::span<const ComponentReport> reports() const;
   [[nodiscard]] const Factorization& factorization() const;
   /// Of the caller, who keeps it as long as there are solves; null: none.
@@ -86,9 +86,9 @@ class InteriorPoint {
   void restore_laws();
 
   /// Matrix at x as factored by the last iteration is gone after a solve, and constraint rows had a shift of 1e-12 in it;
-  /// this evaluates and factors all smooth terms at x anew, without ports or shift, and keeps the matrix: dropped_rows()
-  /// of the result are dependent constraint rows, and diagnose(graph, result, {}) names their groups.
-  const Factorization& factorize_terms(std::span<const double> x);
+  /// this evaluates and factors all smooth terms at x anew, without ports or shift, and keeps the matrix: dropped_rows() of
+  /// factorization() are dependent constraint rows then, and diagnose(graph, factorization(), outcome) names their groups.
+  [[nodiscard]] Factorization::Outcome factorize_terms(std::span<const double> x);
 
  private:
   class Impl;

@@ -18,7 +18,7 @@ namespace graphsolve {
 ///     (A + J1^T K J2) dx = -r + J1^T f0,   du = J2 dx.
 /// This is what the interior point calls, one virtual call per batch. Write a Port and a Law and let
 /// PortLawBatch do the rest.
-class PortBatch {
+class PortBatch : public Wired {
  public:
   virtual ~PortBatch() = default;
   [[nodiscard]] virtual int size() const = 0;

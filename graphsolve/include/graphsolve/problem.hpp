@@ -23,7 +23,7 @@ class Problem {
   int add(PortBatch& ports);
 
   /// Makes residuals comparable: |residual| * scale is what the stopping test reads, one entry per row of the
-  /// node. Rows that are not set get one over the diagonal of the matrix where that is positive, else 1.
+  /// node. Rows that are not set get one over the diagonal of the matrix, wherever x is, where that is positive, else 1.
   /// Throws std::invalid_argument unless there are as many as the node has rows, and all are numbers > 0.
   void set_row_scale(NodeId node, std::span<const double> scale);
   /// What set_row_scale throws.
@@ -35,9 +35,9 @@ class Problem {
   /// By row, NaN where not set; empty where none is.
   [[nodiscard]] std::span<const double> row_scale() const { return row_scale_; }
   /// Terms and ports keep the places of one Symbolic: whoever wires them takes a number here, and may use them for as long as
-  /// nobody has taken another (InteriorPoint, check_terms).
-  std::int64_t take_wiring() { return ++wiring_; }
-  [[nodiscard]] std::int64_t wiring() const { return wiring_; }
+  /// nobody has taken another for one of them, by this problem or by another (InteriorPoint, check_terms).
+  std::int64_t take_wiring();
+  [[nodiscard]] bool wired(std::int64_t number) const;
 
  private:
   void check_node(NodeId node, const char* what) const;
@@ -46,7 +46,6 @@ class Problem {
   std::vector<Term*> terms_;
   std::vector<PortBatch*> ports_;
   std::vector<double> row_scale_;
-  std::int64_t wiring_ = 0;
 };
 
 }  // namespace graphsolve

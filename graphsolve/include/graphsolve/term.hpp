@@ -36,6 +36,13 @@ class Wiring {
   std::vector<BlockHandle>* claims_;
 };
 
+/// What is wired keeps places of one Symbolic, and may be used as long as nobody has wired it for another (Problem::wired).
+class Wired {
+ private:
+  friend class Problem;
+  std::int64_t wiring_ = 0;
+};
+
 /// Instances of a batch that are to be worked on, and what belongs to each of them. Arrays named "by
 /// component" are indexed with component[instance].
 struct Instances {
@@ -55,7 +62,7 @@ enum class Coupling {
 /// A batch of equal smooth contributions F(x) to the residual: dynamics, equality constraints, the gradient of
 /// an objective. Stationarity rows carry constraints as -J^T lambda, constraint rows as +g.
 /// Terms are evaluated in the order in which they were added; all terms before all ports.
-class Term {
+class Term : public Wired {
  public:
   virtual ~Term() = default;
   [[nodiscard]] virtual int size() const = 0;

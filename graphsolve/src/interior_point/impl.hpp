@@ -27,7 +27,7 @@ class InteriorPoint::Impl {
   void set_profile(Profile* profile) { profile_ = profile; }
   Status linearize(std::span<double> x, double smoothing, double stiffness, Factorization& target);
   void restore_laws();
-  const Factorization& factorize_terms(std::span<const double> x);
+  [[nodiscard]] Factorization::Outcome factorize_terms(std::span<const double> x);
 
  private:
   struct Lists {  ///< instances of one batch, sorted by component
@@ -109,7 +109,7 @@ class InteriorPoint::Impl {
   [[nodiscard]] bool centre(const Factorization& matrix);
 
   Problem& problem_;
-  std::int64_t wiring_;         ///< that this one took
+  std::int64_t wiring_ = 0;     ///< that this one took
   std::int64_t instances_ = 0;  ///< of all batches, when it was made
   InteriorPointSettings settings_;
   Factorization factorization_;
@@ -122,6 +122,7 @@ class InteriorPoint::Impl {
   std::vector<int> row_range_begin_;    ///< by component, into row_ranges_
   std::vector<RowRange> running_rows_;  ///< of all running components, neighbours joined
   std::vector<double> x_, dx_, rhs_, residual_, row_scale_;
+  std::vector<double> given_scale_;  ///< by row, the caller's; NaN: one over the diagonal
   std::span<const double> start_;  ///< the caller's x, which keeps the start until the end of a solve
   std::span<const double> noise_;  ///< the caller's, likewise
   // By component.
@@ -135,12 +136,12 @@ class InteriorPoint::Impl {
   std::vector<char> doublings_;  ///< of the steps of frozen couplings
   std::vector<char> at_start_;  ///< > 0: one of the last two solves ended where it began
   std::vector<char> judged_;   ///< passed on at the point where it is
-  std::vector<char> scaled_;   ///< has its default scales
+  std::vector<int> default_rows_;  ///< rows without a scale of the caller's
   std::vector<char> bounded_;  ///< a term's bound_step alone would have made the last step short
   std::vector<char> refine_;   ///< solutions of the linear system are refined
   std::vector<char> good_;  ///< number of points in a row, the last one included, that were solutions but for their products
   bool restarted_ = false;
-  bool scales_known_ = false;  ///< of all running components
+  bool default_scales_ = false;  ///< some component of this solve has rows without a scale of the caller's
   bool linearized_ = false;    ///< the matrix was evaluated at x_
   bool predicts_ = false;      ///< some component wants a predictor in this iteration
   bool solved_ = false;        ///< dx_ was solved for while the matrix was factored

@@ -28,6 +28,6 @@ Status InteriorPoint::linearize(std::span<double> x, double smoothing, double st
   return impl_->linearize(x, smoothing, stiffness, target);
 }
 void InteriorPoint::restore_laws() { impl_->restore_laws(); }
-const Factorization& InteriorPoint::factorize_terms(std::span<const double> x) { return impl_->factorize_terms(x); }
+Factorization::Outcome InteriorPoint::factorize_terms(std::span<const double> x) { return impl_->factorize_terms(x); }
 
 }  // namespace graphsolve

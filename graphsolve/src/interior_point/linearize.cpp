@@ -27,6 +27,8 @@ Status InteriorPoint::Impl::linearize(std::span<double> x, double smoothing, dou
   check_point(x.size());
   if (&target.symbolic() != &factorization_.symbolic())
     throw std::invalid_argument("linearize: the target has another elimination");
+  if (target.kind() != FactorizationKind::ldu)
+    throw std::invalid_argument("linearize: the matrix is not symmetric, the target has to be an LDU");
   std::copy(x.begin(), x.end(), x_.begin());
   run_all();
   const auto ports = problem_.ports();

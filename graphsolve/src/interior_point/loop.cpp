@@ -44,6 +44,7 @@ class Laps {
 Status InteriorPoint::Impl::solve(std::span<double> x, double force_factor, std::span<const double> noise) {
   Laps laps(profile_);
   begin(x, force_factor, noise);
+  if (running_.empty()) return Status::solved;
   start_warm();
   while (!running_.empty()) {
     judge();
@@ -95,13 +96,13 @@ void InteriorPoint::Impl::evaluate(With with) {
 }
 
 void InteriorPoint::Impl::evaluate_terms(With with, std::span<double> residual) {
-  linearized_ = with == With::matrix || !scales_known_;
+  linearized_ = with == With::matrix || default_scales_;
   if (linearized_) factorization_.set_zero(running_);
   each_run(running_rows_, [&](int first, int count) { std::fill_n(residual.data() + first, count, 0.0); });
   const auto terms = problem_.terms();
   double* values = linearized_ ? factorization_.values().data() : nullptr;
   for (std::size_t b = 0; b < terms.size(); ++b) terms[b]->evaluate(running(term_lists_[b]), x_, residual, values);
-  if (!scales_known_) set_default_scales();
+  if (default_scales_) set_default_scales();
 }
 
 /// On top of evaluate_terms: forces of the ports, and the natural residual of every running component.

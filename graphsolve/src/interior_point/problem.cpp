@@ -1,6 +1,7 @@
 #include "graphsolve/problem.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 #include <cmath>
 #include <stdexcept>
@@ -33,6 +34,19 @@ int Problem::add(PortBatch& ports) {
   for (int i = 0; i < ports.size(); ++i) couple(ports.nodes(i), Coupling::all_pairs);
   ports_.push_back(&ports);
   return static_cast<int>(ports_.size()) - 1;
+}
+
+std::int64_t Problem::take_wiring() {
+  static std::atomic<std::int64_t> last{0};
+  const std::int64_t number = ++last;
+  for (Term* term : terms_) term->wiring_ = number;
+  for (PortBatch* ports : ports_) ports->wiring_ = number;
+  return number;
+}
+
+bool Problem::wired(std::int64_t number) const {
+  const auto is = [number](const Wired* wired) { return wired->wiring_ == number; };
+  return std::ranges::all_of(terms_, is) && std::ranges::all_of(ports_, is);
 }
 
 void Problem::check_row_scale(NodeId node, std::span<const double> scale) const {

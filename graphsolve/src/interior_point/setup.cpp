@@ -30,6 +30,18 @@ void check(const InteriorPointSettings& settings) {
                                 ", and must be at least 1");
 }
 
+void check_same_nodes(const Symbolic& symbolic, const BlockGraph& graph) {
+  if (symbolic.pivots() != graph.size() || symbolic.rows() != graph.rows())
+    throw std::invalid_argument("interior point: the problem has " + std::to_string(graph.size()) + " nodes of " +
+                                std::to_string(graph.rows()) + " rows, the elimination " +
+                                std::to_string(symbolic.pivots()) + " of " + std::to_string(symbolic.rows()));
+  for (int k = 0; k < symbolic.pivots(); ++k)
+    if (const NodeId node = symbolic.node(k); symbolic.dimension(k) != graph.dimension(node))
+      throw std::invalid_argument("interior point: node '" + std::string(graph.name(node)) + "' has " +
+                                  std::to_string(graph.dimension(node)) + " rows, in the elimination " +
+                                  std::to_string(symbolic.dimension(k)));
+}
+
 std::int64_t count_instances(const Problem& problem) {
   std::int64_t count = 0;
   for (const Term* term : problem.terms()) count += term->size();
@@ -40,13 +52,11 @@ std::int64_t count_instances(const Problem& problem) {
 }  // namespace
 
 InteriorPoint::Impl::Impl(Problem& problem, std::shared_ptr<const Symbolic> symbolic, InteriorPointSettings settings)
-    : problem_(problem), wiring_(problem.take_wiring()), settings_(settings), factorization_(std::move(symbolic)) {
+    : problem_(problem), settings_(settings), factorization_(std::move(symbolic)) {
   check(settings);
   const Symbolic& s = factorization_.symbolic();
-  if (s.pivots() != problem_.graph().size() || s.rows() != problem_.graph().rows())
-    throw std::invalid_argument("interior point: the problem has " + std::to_string(problem_.graph().size()) +
-                                " nodes of " + std::to_string(problem_.graph().rows()) + " rows, the elimination " +
-                                std::to_string(s.pivots()) + " of " + std::to_string(s.rows()));
+  check_same_nodes(s, problem_.graph());
+  wiring_ = problem_.take_wiring();  // from here on nobody else may use the terms
   std::vector<BlockHandle> claims;
   const Wiring wiring(s, problem_.graph(), &claims);
   const int components = s.components();
@@ -63,8 +73,13 @@ InteriorPoint::Impl::Impl(Problem& problem, std::shared_ptr<const Symbolic> symb
   factorization_.leave_unzeroed(claims);
 
   for (auto* v : {&x_, &dx_, &rhs_, &residual_}) v->assign(s.rows(), 0.0);
-  row_scale_.assign(s.rows(), std::numeric_limits<double>::quiet_NaN());
-  std::ranges::copy(problem_.row_scale(), row_scale_.begin());
+  given_scale_.assign(s.rows(), std::numeric_limits<double>::quiet_NaN());
+  std::ranges::copy(problem_.row_scale(), given_scale_.begin());
+  row_scale_ = given_scale_;
+  default_rows_.assign(components, 0);
+  for (int k = 0; k < s.pivots(); ++k)
+    for (int i = s.row(k); i < s.row(k) + s.dimension(k); ++i)
+      if (std::isnan(given_scale_[i])) ++default_rows_[s.component(s.node(k))];
   for (auto* v : {&error_, &previous_error_, &product_, &mu_, &alpha_, &ratio_, &sum_, &correction_, &scale_, &change_,
                   &last_alpha_, &port_error_, &start_error_, &start_residual_, &cold_error_})
     v->assign(components, 0.0);
@@ -78,7 +93,6 @@ InteriorPoint::Impl::Impl(Problem& problem, std::shared_ptr<const Symbolic> symb
   refine_.assign(components, 0);
   judged_.assign(components, 0);
   at_start_.assign(components, 0);
-  scaled_.assign(components, 0);
   find_row_ranges();
   kernels_ = &simd::vector_kernels();
   factorization_.allow_refinement();
@@ -97,20 +111,18 @@ void InteriorPoint::Impl::check_point(std::size_t size) const {
   if (size != x_.size())
     throw std::invalid_argument("start of " + std::to_string(size) + " numbers, the graph has " +
                                 std::to_string(x_.size()) + " rows");
-  if (problem_.wiring() != wiring_)
-    throw std::logic_error("interior point: another InteriorPoint, or check_terms, has wired the terms of this problem since: "
-                           "only the last one may use them");
   const std::size_t terms = problem_.terms().size(), ports = problem_.ports().size();
-  if (terms == term_lists_.size() && ports == port_lists_.size()) {
-    if (const std::int64_t now = count_instances(problem_); now != instances_)
-      throw std::logic_error("interior point: made of " + std::to_string(instances_) + " terms and ports, and the batches of the "
-                             "problem hold " + std::to_string(now) + " by now: make it after the last add");
-    return;
-  }
-  throw std::logic_error("interior point: made of " + std::to_string(term_lists_.size()) + " batches of terms and " +
-                         std::to_string(port_lists_.size()) + " of ports, and the problem has " +
-                         std::to_string(terms) + " and " + std::to_string(ports) +
-                         " by now: make it after the last add");
+  if (terms != term_lists_.size() || ports != port_lists_.size())
+    throw std::logic_error("interior point: made of " + std::to_string(term_lists_.size()) + " batches of terms and " +
+                           std::to_string(port_lists_.size()) + " of ports, and the problem has " +
+                           std::to_string(terms) + " and " + std::to_string(ports) +
+                           " by now: make it after the last add");
+  if (const std::int64_t now = count_instances(problem_); now != instances_)
+    throw std::logic_error("interior point: made of " + std::to_string(instances_) + " terms and ports, and the batches of the "
+                           "problem hold " + std::to_string(now) + " by now: make it after the last add");
+  if (!problem_.wired(wiring_))
+    throw std::logic_error("interior point: another InteriorPoint, or check_terms, has wired terms of this problem since: "
+                           "only the last one may use them");
 }
 
 /// Adds a range to those from `first` on, or to the last of them.
@@ -227,7 +239,7 @@ void InteriorPoint::Impl::begin(std::span<const double> x, double force_factor, 
   noise_ = noise;
   running_.assign(selected_.begin(), selected_.end());
   set_running();
-  scales_known_ = std::all_of(running_.begin(), running_.end(), [&](int c) { return scaled_[c] != 0; });
+  default_scales_ = std::ranges::any_of(running_, [&](int c) { return default_rows_[c] > 0; });
   for (const int c : running_) {
     expected_iterations_[c] = reports_[c].iterations;
     at_start_[c] = static_cast<char>(reports_[c].iterations == 0 ? 2 : std::max(0, at_start_[c] - 1));
@@ -250,27 +262,33 @@ void InteriorPoint::Impl::begin(std::span<const double> x, double force_factor, 
   }
 }
 
+/// Of the rows that the caller gave none: what a residual is depends on where x is. A diagonal that is no number leaves no
+/// scale, and no solution.
 void InteriorPoint::Impl::set_default_scales() {
   const Symbolic& s = factorization_.symbolic();
   for (const int c : running_) {
-    scaled_[c] = 1;
+    if (default_rows_[c] == 0) continue;
     for (int k = s.component_begin(c); k < s.component_begin(c + 1); ++k)
       for (int i = 0; i < s.dimension(k); ++i) {
-        double& scale = row_scale_[s.row(k) + i];
-        if (!std::isnan(scale)) continue;
+        if (!std::isnan(given_scale_[s.row(k) + i])) continue;
         const double diagonal = factorization_.values()[s.pivot(k).diagonal + i * (s.dimension(k) + 1) * s.pivot(k).stride];
-        scale = diagonal > 0 ? 1 / diagonal : 1.0;
+        row_scale_[s.row(k) + i] = !std::isfinite(diagonal) ? std::numeric_limits<double>::quiet_NaN()
+                                   : diagonal > 0           ? 1 / diagonal
+                                                            : 1.0;
       }
   }
-  scales_known_ = true;
 }
 
 void InteriorPoint::Impl::set_row_scale(NodeId node, std::span<const double> scale) {
   problem_.check_row_scale(node, scale);
-  std::copy(scale.begin(), scale.end(), row_scale_.begin() + problem_.graph().row(node));
+  const int row = problem_.graph().row(node);
+  for (std::size_t i = 0; i < scale.size(); ++i) {
+    if (std::isnan(given_scale_[row + i])) --default_rows_[factorization_.symbolic().component(node)];
+    given_scale_[row + i] = row_scale_[row + i] = scale[i];
+  }
 }
 
-const Factorization& InteriorPoint::Impl::factorize_terms(std::span<const double> x) {
+Factorization::Outcome InteriorPoint::Impl::factorize_terms(std::span<const double> x) {
   check_point(x.size());
   std::copy(x.begin(), x.end(), x_.begin());
   run_all();
@@ -280,9 +298,9 @@ const Factorization& InteriorPoint::Impl::factorize_terms(std::span<const double
   for (std::size_t b = 0; b < terms.size(); ++b) terms[b]->evaluate(running(term_lists_[b]), x_, residual_, values);
   factorization_.set_saddle_shift(0);  // dependent rows are to be seen
   factorization_.keep_matrix(true);    // and named by diagnose()
-  (void)factorization_.factorize();
+  const Factorization::Outcome outcome = factorization_.factorize();
   factorization_.set_saddle_shift(saddle_shift);
-  return factorization_;
+  return outcome;
 }
 
 }  // namespace graphsolve

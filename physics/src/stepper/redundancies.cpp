@@ -47,7 +47,8 @@ std::vector<std::string> Simulator::redundancies() const {
   s.begin(lane_of_simulator, s.dt);
   for (int j = 0; j < s.joints.size(); ++j) s.joints.prepare(j, lane.time(1), s.dt);
   s.joints.aim(lane_of_simulator);
-  const auto& factorization = s.solver->factorize_terms(s.unknowns);
+  (void)s.solver->factorize_terms(s.unknowns);  // rows that it drops are there whether or not a later pivot failed
+  const auto& factorization = s.solver->factorization();
   std::vector<double> y(s.unknowns.size());
   struct Group {
     std::set<int> joints;
