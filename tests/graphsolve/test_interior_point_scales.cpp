@@ -61,9 +61,12 @@ TEST(InteriorPointScales, ASteepStartIsNoMeasureOfTheEnd) {
     OneEquation one([](double x) { return std::exp(x) - 2; }, [](double x) { return std::exp(x); });
     double x = start;
     const Status status = one.solve(x);
-    if (start < 10) ASSERT_EQ(status, Status::solved) << start;
-    if (status == Status::solved) EXPECT_NEAR(x, std::log(2.0), 1e-7) << start;
-    else EXPECT_EQ(x, start) << "Newton's way is longer than its iterations: the start is kept";
+    EXPECT_EQ(status, start < 10 ? Status::solved : Status::max_iterations) << start;
+    if (status == Status::solved) {
+      EXPECT_NEAR(x, std::log(2.0), 1e-7) << start;
+    } else {
+      EXPECT_EQ(x, start) << "Newton's way is longer than its iterations: the start is kept";
+    }
   }
 }
 

@@ -55,7 +55,7 @@ class Factorization {
   [[nodiscard]] double& entry(const BlockHandle& handle, int row = 0, int column = 0) {
     return values_[handle.place(row, column)];
   }
-  /// What factorize() reads: of the symmetric kinds one triangle, the other is left as it is.
+  /// What factorize() reads: of the symmetric kinds one triangle, the other is left as it is. The factor is gone.
   void set_zero();
   void set_zero(std::span<const int> components);
   /// From now on set_zero(components) may leave these blocks as they are: somebody assigns all their entries. Throws
@@ -102,7 +102,7 @@ class Factorization {
   std::span<const Outcome> factorize(std::span<const int> components);
 
   /// factorize() and solve(x) in one pass: each pivot goes through the first half of the solve while its factor is at
-  /// hand. The same numbers; where the outcome is not ok, those of x mean nothing.
+  /// hand. The same bits where packs are used, else equal to rounding; where the outcome is not ok, x means nothing.
   [[nodiscard]] Outcome factorize_and_solve(std::span<double> x);
   /// The rows of the other components are not touched.
   std::span<const Outcome> factorize_and_solve(std::span<const int> components, std::span<double> x);
@@ -119,7 +119,8 @@ class Factorization {
   /// bits as factorize() of the whole. Cost: the updates that arrive at the redone pivots, and their own elimination;
   /// nothing that grows with the rest of the graph. Needs allow_refactorization() and a factorize() of all components
   /// with the matrix kept; after a failure everything is done again. Inertia, dropped rows and boosts are of the whole
-  /// matrix, growth of the redone pivots. Throws std::logic_error where no whole matrix was kept. Allocates nothing.
+  /// matrix; growth is of the redone pivots, over the largest entry that the matrix has had since it was kept. Throws
+  /// std::logic_error where no whole matrix was kept. Allocates nothing.
   [[nodiscard]] Outcome refactorize(std::span<const NodeId> changed);
 
   /// x := A^-1 x, rows in the user's numbering; or only the rows of one component.
@@ -127,7 +128,8 @@ class Factorization {
   void solve_component(std::span<double> x, int component) const;
   void solve_components(std::span<double> x, std::span<const int> components) const;
   /// X := A^-1 X, X being rows() x columns, column-major. Throws std::invalid_argument when x has another size, as all
-  /// of these do std::logic_error before the first factorize(), and where that of one of their components failed.
+  /// of these do std::logic_error where one of their components has no factor: none was made, or it failed, or set_zero()
+  /// came after it.
   void solve(std::span<double> x, int columns) const;
   /// x := A^-T x; X := A^-T X.
   void solve_transposed(std::span<double> x) const { solve_transposed(x, 1); }
@@ -138,7 +140,8 @@ class Factorization {
     double backward_error = 0;  ///< componentwise: max |A x - b| / (|A| |x| + |b|)
   };
   /// x := refined solution of A x = b, until the componentwise backward error is <= 4 eps or no longer falls, in twice
-  /// the precision where it must be. b stays. Throws std::logic_error where the last factorization kept no matrix.
+  /// the precision where it must be. b stays. Throws std::logic_error where the last factorization of a component kept no
+  /// matrix.
   Refinement refine(std::span<const double> b, std::span<double> x, int max_sweeps = 3);
   /// Several components, each until its own error is good; returns the most sweeps and the largest error.
   Refinement refine(std::span<const double> b, std::span<double> x, std::span<const int> components, int max_sweeps);

@@ -74,7 +74,7 @@ void Factorization::Impl::forget_redone(Outcome& outcome) {
 Factorization::Outcome Factorization::Impl::refactorize(std::span<const NodeId> changed) {
   if (share_.empty() || !keep_matrix_)
     throw std::logic_error("refactorize: allow_refactorization() and keep_matrix(true) come before factorize()");
-  if (!whole_copy_) throw std::logic_error("refactorize: factorize() of all components with the matrix kept comes first");
+  if (!standing_.all_kept()) throw std::logic_error("refactorize: factorize() of all components with the matrix kept comes first");
   for (const NodeId node : changed)
     if (node.index < 0 || node.index >= symbolic_->pivots())
       throw std::invalid_argument("refactorize: there is no node " + std::to_string(node.index));
@@ -90,8 +90,10 @@ Factorization::Outcome Factorization::Impl::refactorize(std::span<const NodeId> 
   for (const int k : queue_)
     if (mark_[k] == Mark::redo) restore(k);
   double largest = 0;
+  int first_bad = -1;
   for (const int k : queue_) {
-    if (!outcome.ok()) break;
+    const int component = s.component(s.node(k));
+    if (!outcomes_[component].ok()) continue;
     if (mark_[k] == Mark::apply) {
       const auto later = s.coupled(k);  // those redone are the last ones: each is an ancestor of the one before
       int from = 0;
@@ -100,15 +102,21 @@ Factorization::Outcome Factorization::Impl::refactorize(std::span<const NodeId> 
     } else {
       largest = std::max(largest, largest_of(k));
       const PivotBlocks blocks = open(k);
-      if (factorize_pivot(k, blocks, outcome)) eliminate(k, blocks, outcome);
+      if (factorize_pivot(k, blocks, outcome)) {
+        eliminate(k, blocks, outcome);
+      } else {
+        outcomes_[component].first_bad_pivot = k;
+        if (first_bad < 0) first_bad = k;
+      }
       close(k, blocks);
     }
   }
+  outcome.first_bad_pivot = first_bad;
   if (largest_entry_ > 0) outcome.growth = largest / largest_entry_;
   for (const int k : queue_) mark_[k] = Mark::none;
+  finish(taking_part_.everybody());
   total_ = outcome;
   complete_ = outcome.ok();
-  if (!complete_) outcomes_[s.component(s.node(outcome.first_bad_pivot))].first_bad_pivot = outcome.first_bad_pivot;
   return outcome;
 }
 

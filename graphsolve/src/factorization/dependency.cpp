@@ -6,6 +6,7 @@
 #include "factorization/impl.hpp"
 #include "factorization/kernels.hpp"
 #include "factorization/rank_revealing.hpp"
+#include "factorization/thresholds.hpp"
 #include "simd/program.hpp"
 
 /// Rows of saddle blocks that depend on earlier ones: are they really dependent, and on which?
@@ -33,7 +34,8 @@ bool Factorization::Impl::couples_later(int k, const PivotBlocks& blocks) {
       for (int i = rank_[k]; i < d; ++i) {
         const int original = original_row(k, i);
         const double made_of = std::max(references_.panel(k, original), std::sqrt(references_.own(k, original) * own));
-        if (std::abs(x[i]) > 1e-8 * largest && std::abs(x[i]) > 1e-11 * made_of) return true;
+        const double rest = std::abs(x[i]);  // NaN couples
+        if (!(rest <= thresholds::couples * largest) && !(rest <= thresholds::couples_of_made * made_of)) return true;
       }
     }
   }

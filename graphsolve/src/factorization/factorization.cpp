@@ -10,8 +10,13 @@ namespace graphsolve {
 Factorization::Factorization(std::shared_ptr<const Symbolic> symbolic, FactorizationKind kind)
     : impl_(std::make_unique<Impl>(std::move(symbolic), kind)), values_(impl_->values()) {}
 Factorization::~Factorization() = default;
-Factorization::Factorization(Factorization&&) noexcept = default;
-Factorization& Factorization::operator=(Factorization&&) noexcept = default;
+Factorization::Factorization(Factorization&& other) noexcept
+    : impl_(std::move(other.impl_)), values_(std::exchange(other.values_, {})) {}
+Factorization& Factorization::operator=(Factorization&& other) noexcept {
+  impl_ = std::move(other.impl_);
+  values_ = std::exchange(other.values_, {});
+  return *this;
+}
 
 Factorization Factorization::twin() const {
   Factorization other(impl_->symbolic(), impl_->kind());

@@ -14,6 +14,7 @@
 #include "factorization/references.hpp"
 #include "factorization/refiner.hpp"
 #include "factorization/side.hpp"
+#include "factorization/standing.hpp"
 #include "simd/pivot_kernels.hpp"
 
 namespace graphsolve {
@@ -37,6 +38,7 @@ class Factorization::Impl {
   void keep_matrix(bool keep) { keep_matrix_ = keep; }
   [[nodiscard]] std::span<const double> matrix() const { return matrix_; }
   void set_saddle_shift(double relative) {
+    if (relative != saddle_shift_) complete_ = false;
     saddle_shift_ = relative;
     references_.set_shifted(relative != 0);
   }
@@ -123,6 +125,7 @@ class Factorization::Impl {
   [[nodiscard]] bool is_packed(int pivot) const;
   void start(std::span<const int> components);
   void start_all();
+  void finish(std::span<const int> components);
   [[nodiscard]] Outcome finish_all();
   void factorize_active(Count count, const Vectors* right = nullptr);
   void eliminate_together(int number, unsigned active, Outcome* all, const simd::PackNumbers& numbers);
@@ -191,7 +194,7 @@ class Factorization::Impl {
   std::vector<Mark> mark_;
   std::vector<int> queue_;
   Outcome total_;
-  bool complete_ = false;
+  bool complete_ = false;  ///< share_ and total_ are those of the factors of all components
   std::vector<std::uint8_t> packed_;    ///< by pack: lanes whose factor was made together
   std::vector<simd::Definite> definite_;  ///< by pack, of the symmetric kinds
   AlignedVector scratch_;               ///< of packs
@@ -202,8 +205,8 @@ class Factorization::Impl {
   std::vector<Range> zeroed_;           ///< of the values, ascending; empty: all of them
   std::vector<int> zeroed_begin_;       ///< by group of the program, into zeroed_
   std::vector<Outcome> outcomes_;       ///< by component, of the last factorization
-  bool keep_matrix_ = false, begun_ = false;
-  bool copied_ = false, whole_copy_ = false;  ///< by the last factorization; and that it holds all components
+  Standing standing_;
+  bool keep_matrix_ = false;
   double largest_entry_ = 0;          ///< of the kept part of the matrix
   double saddle_shift_ = 0;
 };

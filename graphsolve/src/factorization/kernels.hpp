@@ -24,7 +24,7 @@ using Spread = void (*)(const double* w, double* to, int d, int blocks, int begi
 using RowOfBlocks = void (*)(double* values, const std::int64_t* target, const double* l, const double* spread_w, int depth,
                              int begin, int end);
 /// LU with row exchanges in place: L unit below the diagonal, reciprocals of the pivots on it. `rows[p]` is the row
-/// that took place p. Returns the smallest pivot magnitude; 0 or NaN means not usable.
+/// that took place p. Returns the smallest pivot magnitude; below thresholds::least_pivot, or NaN, means not usable.
 using Factor = double (*)(double* a, int* rows, int d);
 /// LDL^T of a definite block without exchanges, from its lower triangle, into the form that Factor leaves: L unit
 /// below the diagonal, reciprocals of the pivots on it, D L^T above. True when all pivots have the given sign (1 or

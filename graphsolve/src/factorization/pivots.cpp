@@ -9,11 +9,11 @@
 #include "factorization/kernels.hpp"
 #include "symbolic/operations.hpp"
 #include "factorization/rank_revealing.hpp"
-#include "simd/pivot_kernels.hpp"
+#include "factorization/thresholds.hpp"
 
 namespace graphsolve {
 
-using simd::dependent;
+using thresholds::dependent;
 
 Factorization::Outcome Factorization::Impl::factorize() {
   start_all();
@@ -23,14 +23,14 @@ Factorization::Outcome Factorization::Impl::factorize() {
 
 void Factorization::Impl::start_all() {
   check_room();
-  begun_ = true;
-  copied_ = whole_copy_ = keep_matrix_;
   dropped_.clear();
   taking_part_.set(taking_part_.everybody());
+  for (const int c : taking_part_.everybody()) standing_.begin(c, keep_matrix_);
   std::fill(outcomes_.begin(), outcomes_.end(), Outcome{});
 }
 
 Factorization::Outcome Factorization::Impl::finish_all() {
+  finish(taking_part_.everybody());
   Outcome outcome;
   for (const Outcome& part : outcomes_) {
     outcome.dropped_rows += part.dropped_rows;
@@ -51,20 +51,25 @@ Factorization::Outcome Factorization::Impl::finish_all() {
 std::span<const Factorization::Outcome> Factorization::Impl::factorize(std::span<const int> components) {
   start(components);
   factorize_active(Count::each);
+  finish(components);
   return outcomes_;
+}
+
+void Factorization::Impl::finish(std::span<const int> components) {
+  for (const int c : components) standing_.end(c, outcomes_[c].ok());
 }
 
 void Factorization::Impl::start(std::span<const int> components) {
   check_room();
   taking_part_.check(components);
-  begun_ = true;
-  copied_ = keep_matrix_;
-  whole_copy_ &= keep_matrix_;
   const Symbolic& s = *symbolic_;
   taking_part_.set(components);
   if (!dropped_.empty())
     std::erase_if(dropped_, [&](const DroppedRow& d) { return std::ranges::find(components, s.component(d.node)) != components.end(); });
-  for (const int c : components) outcomes_[c] = {};
+  for (const int c : components) {
+    outcomes_[c] = {};
+    standing_.begin(c, keep_matrix_);
+  }
   complete_ = false;
 }
 
@@ -201,6 +206,14 @@ bool Factorization::Impl::factorize_one(int k, const PivotBlocks& blocks, Outcom
   return regular;
 }
 
+namespace {
+
+bool all_finite(const double* values, int count) {
+  return std::all_of(values, values + count, [](double value) { return std::isfinite(value); });
+}
+
+}  // namespace
+
 /// LU of the diagonal block. Row exchanges suffice unless rows of a saddle block depend on earlier ones.
 bool Factorization::Impl::factorize_pivot_any(int k, const PivotBlocks& blocks, Outcome& outcome) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
@@ -214,6 +227,7 @@ bool Factorization::Impl::factorize_pivot_any(int k, const PivotBlocks& blocks, 
   const double* reference = look_for_dependence ? references_.side_by_side(k, buffer) : nullptr;
   if (look_for_dependence && !std::isnan(smallest) && !(smallest > dependent * *std::max_element(reference, reference + d))) {
     std::copy_n(work_.data(), d * d, diagonal);
+    if (!all_finite(diagonal, d * d)) return false;  // a column of zeros ends the search before it meets them
     rank_[k] = factor_rank_revealing(diagonal, d, reference, dependent, row_exchange_.data() + row,
                                      column_exchange_.data() + row, work_.data() + d * d);
     outcome.operations += lu_operations(d);
@@ -226,9 +240,9 @@ bool Factorization::Impl::factorize_pivot_any(int k, const PivotBlocks& blocks, 
     if (!boost(k, blocks, work_.data())) return false;
     rank_[k] = d;
     std::copy_n(work_.data(), d * d, diagonal);
-    return kernels_->factor(d)(diagonal, row_exchange_.data() + row, d) > 0;
+    return kernels_->factor(d)(diagonal, row_exchange_.data() + row, d) >= thresholds::least_pivot;
   }
-  return smallest > 0;
+  return smallest >= thresholds::least_pivot;
 }
 
 /// The blocks between the couplings lose L D^-1 U.

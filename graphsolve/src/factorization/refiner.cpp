@@ -4,12 +4,12 @@
 #include <utility>
 
 #include "graphsolve/largest.hpp"
+#include "factorization/thresholds.hpp"
 
 namespace graphsolve {
 
 namespace {
 
-constexpr double goal = 4 * std::numeric_limits<double>::epsilon();
 constexpr int patience = 3;  ///< sweeps in a row that may bring nothing: the worst row is not always the same
 
 }  // namespace
@@ -28,7 +28,7 @@ void Refiner::keep(int component, std::span<const double> x) {
 }
 
 bool Refiner::is_done(int component) const {
-  return in_vain_[component] == patience || !(least_error_[component] > goal);
+  return in_vain_[component] == patience || !(least_error_[component] > thresholds::refined);
 }
 
 bool Refiner::judge(const Residual::System& system, int component) {

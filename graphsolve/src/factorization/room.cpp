@@ -22,7 +22,7 @@ std::shared_ptr<const Symbolic> checked(std::shared_ptr<const Symbolic> symbolic
 Factorization::Impl::Impl(std::shared_ptr<const Symbolic> symbolic, FactorizationKind kind)
     : symbolic_(checked(std::move(symbolic))), kind_(kind), kernels_(&kernels::table()),
       eliminations_(&simd::eliminations()), solves_(&simd::solves()), taking_part_(*symbolic_), references_(*symbolic_, kind),
-      refiner_(*symbolic_, *solves_) {
+      refiner_(*symbolic_, *solves_), standing_(symbolic_->components()) {
   const Symbolic& s = *symbolic_;
   values_.assign(s.values_size(), 0.0);
   row_exchange_.assign(s.rows(), 0);

@@ -58,11 +58,13 @@ void Factorization::Impl::solve_diagonal(int k, const double* diagonal, double* 
 }
 
 void Factorization::Impl::check_factored(std::span<const int> components) const {
-  if (!begun_) throw std::logic_error("solve: factorize() comes first");
-  for (const int c : components)
-    if (!outcomes_[c].ok())
-      throw std::logic_error("solve: there are no factors of component " + std::to_string(c) + ", whose node " +
-                             std::to_string(symbolic_->node(outcomes_[c].first_bad_pivot).index) + " is singular");
+  for (const int c : components) {
+    if (standing_.factor(c) == Standing::Factor::there) continue;
+    const std::string which = symbolic_->components() > 1 ? " of component " + std::to_string(c) : "";
+    if (standing_.factor(c) == Standing::Factor::none) throw std::logic_error("solve: factorize()" + which + " comes first");
+    throw std::logic_error("solve: there are no factors" + which + ", whose node " +
+                           std::to_string(symbolic_->node(outcomes_[c].first_bad_pivot).index) + " is singular");
+  }
 }
 
 void Factorization::Impl::solve(std::span<double> x, int columns) const {
@@ -253,6 +255,7 @@ std::span<const Factorization::Outcome> Factorization::Impl::factorize_and_solve
   const Vectors v = enter(x.data());
   factorize_active(Count::each, &v);
   backward(v, 1);
+  finish(components);
   return outcomes_;
 }
 
@@ -288,10 +291,11 @@ Factorization::Refinement Factorization::Impl::refine_transposed(std::span<const
 
 Factorization::Refinement Factorization::Impl::refine(std::span<const double> b, std::span<double> x,
                                                       std::span<const int> components, int max_sweeps, Side side) {
-  if (!copied_) throw std::logic_error("refine: allow_refinement() and keep_matrix(true) come before factorize()");
   check_size(b, 1);
   check_size(x, 1);
   taking_part_.check(components);
+  if (!std::ranges::all_of(components, [&](int c) { return standing_.is_kept(c); }))
+    throw std::logic_error("refine: allow_refinement() and keep_matrix(true) come before factorize()");
   check_factored(components);
   return refiner_.refine(matrix_.data(), side, b, x, components, max_sweeps, taking_part_, [this, side](double* r) {
     side == Side::plain ? solve_active(r, 1) : solve_transposed_active(r);

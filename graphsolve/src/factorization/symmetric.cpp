@@ -7,20 +7,16 @@
 #include "factorization/kernels.hpp"
 #include "symbolic/operations.hpp"
 #include "factorization/rank_revealing.hpp"
-#include "simd/pivot_kernels.hpp"
+#include "factorization/thresholds.hpp"
 
 /// Pivots of the symmetric kinds. A definite block of the sign its node promises is factored without exchanges, and the panel
 /// below it goes through half a solve (halved_). Any other block gets an LU with exchanges, as stable as Bunch-Kaufman, and its
 /// signs from a congruence of its own (block_inertia.hpp); its panel is that of an LDU.
 namespace graphsolve {
 
-using simd::dependent;
+using namespace thresholds;
 
 namespace {
-
-constexpr double tiny = 1e-13;       ///< any other pivot below this part of its row's size is
-constexpr double boosted = 1e-7;     ///< part of its row's size that such a pivot gets
-constexpr double not_positive = 4 * std::numeric_limits<double>::epsilon();
 
 /// Of R x C, without loops.
 template <int R, int C>
@@ -172,7 +168,7 @@ bool Factorization::Impl::factorize_pivot_indefinite(int k, const PivotBlocks& b
   }
   rank_[k] = d;
   std::copy_n(block, d * d, diagonal);
-  return kernels_->factor(d)(diagonal, row_exchange_.data() + row, d) > 0;
+  return kernels_->factor(d)(diagonal, row_exchange_.data() + row, d) >= least_pivot;
 }
 
 /// Adds to the diagonal entries of `block`, the pivot as it was, that rank-revealing pivoting left over. A row without entries of its own takes the

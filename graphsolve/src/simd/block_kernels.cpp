@@ -12,16 +12,13 @@
 #include <hwy/foreach_target.h>
 
 #include "simd/definite-inl.hpp"
+#include "factorization/thresholds.hpp"
 #include "simd/products-inl.hpp"
 #include "simd/spread-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace graphsolve::kernels::HWY_NAMESPACE {
 namespace {
-
-/// The diagonal entry is taken when it is at least this part of the largest: definite blocks then need no exchanges,
-/// whose branches cost more than the arithmetic. Entries grow at most by 1 + 1 / this per stage.
-constexpr double diagonal_preferred = 0.1;
 
 double factor_with_exchanges(double* a, int* rows, int d) {
   double smallest = std::numeric_limits<double>::infinity();
@@ -35,7 +32,7 @@ double factor_with_exchanges(double* a, int* rows, int d) {
         best = i;
       }
     }
-    if (std::abs(a[p * d + p]) >= diagonal_preferred * largest) best = p;
+    if (std::abs(a[p * d + p]) >= thresholds::diagonal_preferred * largest) best = p;
     rows[p] = best;
     if (!(largest > 0) || !(largest < std::numeric_limits<double>::infinity()))
       return largest > 0 ? std::numeric_limits<double>::quiet_NaN() : largest;
@@ -73,7 +70,7 @@ double factor_by_columns(double* a, int* rows) {
     const double size = std::abs(column[p]);
     double largest = 0;
     for (int i = p + 1; i < D; ++i) largest = std::max(largest, std::abs(column[i]));
-    sound &= (size >= diagonal_preferred * largest) & (size > 0) & (size < std::numeric_limits<double>::infinity());
+    sound &= (size >= thresholds::diagonal_preferred * largest) & (size > 0) & (size < std::numeric_limits<double>::infinity());
     smallest = size < smallest ? size : smallest;
     const double reciprocal = 1.0 / column[p];
     const Rows<D> l = t[p].times_each(Rows<D>::load(below.data() + D - 1 - p)).times(reciprocal);
@@ -112,7 +109,7 @@ double factor(double* a, int* rows, int d) {
         const double candidate = std::abs(t[p][i]);
         largest = candidate > largest ? candidate : largest;
       }
-      sound &= (size >= diagonal_preferred * largest) & (size > 0) & (size < std::numeric_limits<double>::infinity());
+      sound &= (size >= thresholds::diagonal_preferred * largest) & (size > 0) & (size < std::numeric_limits<double>::infinity());
       smallest = size < smallest ? size : smallest;
       const double reciprocal = 1.0 / t[p][p];
       t[p][p] = reciprocal;

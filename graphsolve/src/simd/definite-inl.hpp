@@ -8,6 +8,7 @@
 
 #include <limits>
 
+#include "factorization/thresholds.hpp"
 #include "simd/rows-inl.hpp"
 
 /// Definite blocks and the panels below them, as kernels.hpp describes them.
@@ -40,7 +41,7 @@ bool factor_definite_small(double* a, const double* reference, double sign, doub
 #pragma GCC unroll 6
   for (int p = 0; p < D; ++p) {
     const double size = sign * t[p][p];
-    sound &= (size > tiny * reference[p]) & (size < infinity);
+    sound &= (size > tiny * reference[p] + thresholds::least_pivot) & (size < infinity);
     t[p][p] = 1.0 / t[p][p];
 #pragma GCC unroll 6
     for (int i = p + 1; i < D; ++i) l[p][i] = t[p][i] * t[p][p];
@@ -77,7 +78,7 @@ bool factor_definite_columns(double* a, const double* reference, double sign, do
 #pragma GCC unroll 16
   for (int p = 0; p < D; ++p) {
     const double size = sign * pivot[p];
-    sound &= (size > tiny * reference[p]) & (size < infinity);
+    sound &= (size > tiny * reference[p] + thresholds::least_pivot) & (size < infinity);
     reciprocal[p] = 1.0 / pivot[p];
     t[p].store(column + p * D);
     const Rows<D> multipliers = t[p].times(reciprocal[p]);
@@ -103,7 +104,7 @@ inline bool factor_definite_large(double* a, const double* reference, double sig
   for (int p = 0; p < d; ++p) {
     double* column = a + p * d;
     const double size = sign * column[p];
-    if (!(size > tiny * reference[p]) || !(size < infinity)) return false;
+    if (!(size > tiny * reference[p] + thresholds::least_pivot) || !(size < infinity)) return false;
     column[p] = 1.0 / column[p];
     for (int i = p + 1; i < d; ++i) {
       a[i * d + p] = column[i];

@@ -11,17 +11,13 @@
 #include <utility>
 
 #include "graphsolve/simd/pack_memory-inl.hpp"
+#include "factorization/thresholds.hpp"
 #include "simd/pivot_kernels.hpp"
 
 /// Dense blocks of packs: L blocks of one shape at once, column-major, scalar i of lane l at [i L + l]. D: their
 /// dimension; 0 is one known at run time only.
 HWY_BEFORE_NAMESPACE();
 namespace graphsolve::simd::HWY_NAMESPACE {
-
-/// A pivot block whose elimination without exchanges grows by more than this, or loses more than that, is left to
-/// the path that exchanges rows. Both compare a pivot with its own diagonal entry, so that units do not matter.
-constexpr double most_growth = 64;
-constexpr double least_rest = 1e-13;
 
 /// Columns of a panel that are worked on at once: as many as the registers hold.
 template <int L>
@@ -66,7 +62,7 @@ HWY_INLINE unsigned factor(PackOf<L>* a, int d_) {
 #pragma GCC unroll 6
   for (int p = 0; p < d; ++p) {
     const P pivot = a[p * d + p];
-    sound = sound & (abs(pivot) > P(least_rest) * start[p]) & (growth[p] <= P(most_growth) * start[p]) &
+    sound = sound & (abs(pivot) > multiply_add(P(thresholds::least_rest), start[p], P(thresholds::least_pivot))) & (growth[p] <= P(thresholds::most_growth) * start[p]) &
             (start[p] < P(1e300));
     const P reciprocal = P(1.0) / pivot;
     a[p * d + p] = reciprocal;
@@ -93,7 +89,7 @@ HWY_INLINE unsigned factor_definite(PackOf<L>* a, const PackOf<L>* reference, co
 #pragma GCC unroll 6
   for (int p = 0; p < d; ++p) {
     const P size = sign * a[p * d + p];
-    sound = sound & (size > smallest * reference[p]) & (size < infinity);
+    sound = sound & (size > multiply_add(smallest, reference[p], P(thresholds::least_pivot))) & (size < infinity);
     const P reciprocal = P(1.0) / a[p * d + p];
     a[p * d + p] = reciprocal;
 #pragma GCC unroll 6

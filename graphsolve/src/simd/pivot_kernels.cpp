@@ -192,7 +192,7 @@ HWY_INLINE unsigned factor_saddle(const PackJob& job, PackOf<L>* lu, int d) {
   }
   unsigned other = factor<D>(lu, d);
   if (shift != 0) return other;  // a shifted block is regular
-  const P smallest = P(dependent) * largest;
+  const P smallest = P(thresholds::dependent) * largest;
   for (int i = 0; i < d; ++i) other |= ~bits(P(1.0) > smallest * abs(lu[i * (d + 1)]));  // reciprocals
   return other;
 }

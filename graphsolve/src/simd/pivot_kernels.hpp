@@ -58,9 +58,6 @@ struct PackResidual {
   unsigned active;
 };
 
-/// A pivot of a block that may depend, below this part of what was added to it, is rounding error.
-inline constexpr double dependent = 1e-11;
-
 /// When what is added to diagonals of blocks that may depend is remembered.
 enum class Watch { no, yes };
 
