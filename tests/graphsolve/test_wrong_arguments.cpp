@@ -161,6 +161,21 @@ struct TwoBatches {
   }
 };
 
+/// A block of the factor alone is in no copy of the matrix: what was written there would be factored and not refined.
+TEST(WrongArguments, BlocksThatOnlyTheFactorHasAreNotHandedOut) {
+  BlockGraph graph;
+  const NodeId a = graph.add_node("a", 7), b = graph.add_node("b", 7), c = graph.add_node("c", 7);
+  graph.add_edge(a, b);
+  graph.add_edge(a, c);
+  const Symbolic symbolic(graph, natural_ordering(graph));
+  ASSERT_EQ(symbolic.counts().fill_blocks, 1);
+  EXPECT_THROW((void)symbolic.block(b, c), std::invalid_argument);
+  EXPECT_THROW((void)symbolic.block(c, b), std::invalid_argument);
+  EXPECT_THROW((void)symbolic.block(a, NodeId{3}), std::invalid_argument);
+  EXPECT_THROW((void)symbolic.block(NodeId{}, a), std::invalid_argument);
+  EXPECT_EQ(symbolic.block(c, a).rows, 7);
+}
+
 TEST(WrongArguments, AnInteriorPointKnowsThatItsProblemHasGrown) {
   TwoBatches a;
   InteriorPoint solver(a.problem, a.two.symbolic);

@@ -85,7 +85,9 @@ DerivativeReport check_port(Port& port, const Symbolic& symbolic, std::span<cons
   const auto entry = [&](const std::vector<double>& values, int i, int j) {
     const int a = pivot[i], b = pivot[j], first = std::min(a, b), last = std::max(a, b);
     const auto coupled = symbolic.coupled(first);
-    if (first != last && !std::binary_search(coupled.begin(), coupled.end(), last)) return 0.0;
+    const auto found = std::lower_bound(coupled.begin(), coupled.end(), last);
+    const bool none = found == coupled.end() || *found != last || symbolic.is_fill(first, static_cast<int>(found - coupled.begin()));
+    if (first != last && none) return 0.0;
     const BlockHandle block = symbolic.block(symbolic.node(a), symbolic.node(b));
     return values[block.place(i - symbolic.row(a), j - symbolic.row(b))];
   };

@@ -79,8 +79,8 @@ class Symbolic {
   /// Is this coupling of `pivot` with `coupled(pivot)[k]` fill?
   [[nodiscard]] bool is_fill(int pivot, int k) const { return fill_[pivots_[pivot].begin + k] != 0; }
 
-  /// Block (a, b) of the matrix; a == b is the diagonal block. Throws std::invalid_argument when the factor
-  /// has no such block.
+  /// Block (a, b) of the matrix; a == b is the diagonal block. Throws std::invalid_argument where the graph has no such edge
+  /// (a block of the factor alone is no place for numbers of the matrix), and for a node that is not there.
   [[nodiscard]] BlockHandle block(NodeId a, NodeId b) const;
   /// Length of the value array: stored_scalars, and what interleaving leaves unused.
   [[nodiscard]] std::int64_t values_size() const { return values_size_; }

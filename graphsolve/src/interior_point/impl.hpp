@@ -122,13 +122,13 @@ class InteriorPoint::Impl {
   std::vector<int> row_range_begin_;    ///< by component, into row_ranges_
   std::vector<RowRange> running_rows_;  ///< of all running components, neighbours joined
   std::vector<double> x_, dx_, rhs_, residual_, row_scale_;
-  std::vector<double> given_scale_;  ///< by row, the caller's; NaN: one over the diagonal
+  std::vector<bool> default_row_;  ///< whose scale is one over the diagonal, not the caller's
   std::span<const double> start_;  ///< the caller's x, which keeps the start until the end of a solve
   std::span<const double> noise_;  ///< the caller's, likewise
   // By component.
   std::vector<ComponentReport> reports_;
   std::vector<double> error_, previous_error_, product_, mu_, alpha_, ratio_, sum_, correction_, scale_, change_,
-      last_alpha_, port_error_, start_error_, start_residual_, cold_error_;
+      last_alpha_, port_error_, start_error_, start_residual_;
   std::vector<int> degree_, attempt_iterations_, short_steps_, halvings_, freezes_,
       expected_iterations_;  ///< those that the solve before took
   std::vector<Status> trouble_;  ///< why the present attempt has to end; solved: it need not

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "graphsolve/largest.hpp"
 #include "interior_point/impl.hpp"
 #include "interior_point/constants.hpp"
 
@@ -48,7 +49,7 @@ void InteriorPoint::Impl::judge() {
 
 void InteriorPoint::Impl::judge_component(int c) {
   reports_[c].residual = error_[c];
-  if (attempt_iterations_[c] == 0 && reports_[c].attempts == 2) cold_error_[c] = port_error_[c];
+  if (attempt_iterations_[c] == 0 && reports_[c].attempts == 2) keep_largest(start_residual_[c], port_error_[c]);
   if (!std::isfinite(error_[c]) && !good_[c]) {
     trouble_[c] = Status::not_finite;
     return;

@@ -73,15 +73,18 @@ InteriorPoint::Impl::Impl(Problem& problem, std::shared_ptr<const Symbolic> symb
   factorization_.leave_unzeroed(claims);
 
   for (auto* v : {&x_, &dx_, &rhs_, &residual_}) v->assign(s.rows(), 0.0);
-  given_scale_.assign(s.rows(), std::numeric_limits<double>::quiet_NaN());
-  std::ranges::copy(problem_.row_scale(), given_scale_.begin());
-  row_scale_ = given_scale_;
+  row_scale_.assign(s.rows(), std::numeric_limits<double>::quiet_NaN());
+  std::ranges::copy(problem_.row_scale(), row_scale_.begin());
+  default_row_.resize(s.rows());
   default_rows_.assign(components, 0);
   for (int k = 0; k < s.pivots(); ++k)
     for (int i = s.row(k); i < s.row(k) + s.dimension(k); ++i)
-      if (std::isnan(given_scale_[i])) ++default_rows_[s.component(s.node(k))];
+      if (std::isnan(row_scale_[i])) {
+        default_row_[i] = true;
+        ++default_rows_[s.component(s.node(k))];
+      }
   for (auto* v : {&error_, &previous_error_, &product_, &mu_, &alpha_, &ratio_, &sum_, &correction_, &scale_, &change_,
-                  &last_alpha_, &port_error_, &start_error_, &start_residual_, &cold_error_})
+                  &last_alpha_, &port_error_, &start_error_, &start_residual_})
     v->assign(components, 0.0);
   for (auto* v : {&degree_, &attempt_iterations_, &short_steps_, &halvings_, &freezes_, &expected_iterations_})
     v->assign(components, 0);
@@ -270,7 +273,7 @@ void InteriorPoint::Impl::set_default_scales() {
     if (default_rows_[c] == 0) continue;
     for (int k = s.component_begin(c); k < s.component_begin(c + 1); ++k)
       for (int i = 0; i < s.dimension(k); ++i) {
-        if (!std::isnan(given_scale_[s.row(k) + i])) continue;
+        if (!default_row_[s.row(k) + i]) continue;
         const double diagonal = factorization_.values()[s.pivot(k).diagonal + i * (s.dimension(k) + 1) * s.pivot(k).stride];
         row_scale_[s.row(k) + i] = !std::isfinite(diagonal) ? std::numeric_limits<double>::quiet_NaN()
                                    : diagonal > 0           ? 1 / diagonal
@@ -283,8 +286,9 @@ void InteriorPoint::Impl::set_row_scale(NodeId node, std::span<const double> sca
   problem_.check_row_scale(node, scale);
   const int row = problem_.graph().row(node);
   for (std::size_t i = 0; i < scale.size(); ++i) {
-    if (std::isnan(given_scale_[row + i])) --default_rows_[factorization_.symbolic().component(node)];
-    given_scale_[row + i] = row_scale_[row + i] = scale[i];
+    if (default_row_[row + i]) --default_rows_[factorization_.symbolic().component(node)];
+    default_row_[row + i] = false;
+    row_scale_[row + i] = scale[i];
   }
 }
 

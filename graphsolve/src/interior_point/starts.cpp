@@ -34,7 +34,6 @@ void InteriorPoint::Impl::start_warm() {
   for (const int c : running_) {
     start_error_[c] = port_error_[c];
     start_residual_[c] = error_[c];
-    cold_error_[c] = 0;
     if (degree_[c] == 0 || error_[c] <= tolerance(c)) continue;
     // Rows that know nothing of the ports say little about how far these are from their path.
     const double e = std::max(port_error_[c], 0.03 * error_[c]);
@@ -109,7 +108,7 @@ double InteriorPoint::Impl::unit_of_forces(int c) const {
 void InteriorPoint::Impl::next_attempt(int c) {
   const Status cause = trouble_[c];
   const auto ports = problem_.ports();
-  const double usual = std::max(1.0, start_error_[c]), large = std::max(start_residual_[c], cold_error_[c]);
+  const double usual = std::max(1.0, start_error_[c]), large = start_residual_[c];
   trouble_[c] = Status::solved;
   if (phase_[c] == Phase::refrozen && std::isfinite(error_[c])) {  // too small a start: pairs jam at their bounds
     phase_[c] = Phase::frozen;

@@ -296,11 +296,15 @@ int Symbolic::find(int pivot, int later) const {
 }
 
 BlockHandle Symbolic::block(NodeId a, NodeId b) const {
+  for (const NodeId node : {a, b})
+    if (node.index < 0 || node.index >= pivots()) throw std::invalid_argument("there is no node " + std::to_string(node.index));
   const int i = position_[a.index], j = position_[b.index];
   const Pivot &pi = pivots_[i], &pj = pivots_[j];
   if (i == j) return {pi.diagonal, pi.dimension, pi.dimension, pi.stride};
   const int e = i < j ? find(i, j) : find(j, i);
-  if (e < 0) throw std::invalid_argument("no block between nodes " + std::to_string(a.index) + " and " + std::to_string(b.index));
+  if (e < 0 || fill_[e] != 0)  // what is written to fill is in no copy of the matrix
+    throw std::invalid_argument("no block between nodes " + std::to_string(a.index) + " and " + std::to_string(b.index) +
+                                ": the graph has no such edge");
   const Pivot& owner = i < j ? pi : pj;
   return {(i < j ? pi.upper : pj.lower) + block_offset_[e] * owner.stride, pi.dimension, pj.dimension, owner.stride};
 }
