@@ -43,6 +43,25 @@ class InteriorPoint::Impl {
   enum class Phase { full, frozen, refrozen, rescaled, polish };
   enum class With { residual_alone, matrix };
 
+  /// Where the solve of a component stands; made anew for every solve.
+  struct Course {
+    Status trouble = Status::solved;  ///< why the present attempt has to end; solved: it need not
+    Phase phase = Phase::full;
+    int iterations = 0;               ///< of the attempt
+    int short_steps = 0;              ///< in a row
+    int halvings = 0;                 ///< of the last step
+    int freezes = 0;                  ///< how often couplings were frozen
+    char doublings = 0;               ///< of the steps of frozen couplings
+    char good = 0;          ///< points in a row, the last one included, that were solutions but for their products
+    bool ended = false;
+    bool judged = false;    ///< passed on at the point where it is
+    bool bounded = false;   ///< a term's bound_step alone would have made the last step short
+    bool refine = false;    ///< solutions of the linear system are refined
+    double previous_error = 0, last_alpha = 0;
+    double start_error = 0;     ///< of the ports, at the warm start
+    double start_residual = 0;  ///< of all rows there, or of the ports at the first cold start, whichever is larger
+  };
+
   void check_point(std::size_t size) const;
   void make_lists(Lists& lists, std::span<const int> component_of_instance);
   void sort_by_component(Lists& lists, std::span<const int> instances);
@@ -127,19 +146,13 @@ class InteriorPoint::Impl {
   std::span<const double> noise_;  ///< the caller's, likewise
   // By component.
   std::vector<ComponentReport> reports_;
-  std::vector<double> error_, previous_error_, product_, mu_, alpha_, ratio_, sum_, correction_, scale_, change_,
-      last_alpha_, port_error_, start_error_, start_residual_;
-  std::vector<int> degree_, attempt_iterations_, short_steps_, halvings_, freezes_,
-      expected_iterations_;  ///< those that the solve before took
-  std::vector<Status> trouble_;  ///< why the present attempt has to end; solved: it need not
-  std::vector<Phase> phase_;
-  std::vector<char> doublings_;  ///< of the steps of frozen couplings
-  std::vector<char> at_start_;  ///< > 0: one of the last two solves ended where it began
-  std::vector<char> judged_;   ///< passed on at the point where it is
+  std::vector<Course> course_;
+  std::vector<double> error_, product_, mu_, alpha_, ratio_, sum_, correction_, scale_, change_, port_error_;  // as ports have them
+  std::vector<int> degree_;
   std::vector<int> default_rows_;  ///< rows without a scale of the caller's
-  std::vector<char> bounded_;  ///< a term's bound_step alone would have made the last step short
-  std::vector<char> refine_;   ///< solutions of the linear system are refined
-  std::vector<char> good_;  ///< number of points in a row, the last one included, that were solutions but for their products
+  // What is remembered from one solve to the next.
+  std::vector<int> expected_iterations_;  ///< those that the solve before took
+  std::vector<char> at_start_;            ///< > 0: one of the last two solves ended where it began
   bool restarted_ = false;
   bool default_scales_ = false;  ///< some component of this solve has rows without a scale of the caller's
   bool linearized_ = false;    ///< the matrix was evaluated at x_

@@ -29,12 +29,12 @@ void InteriorPoint::Impl::judge() {
   for (const int c : running_) keep_running_.push_back(c);
   for (std::size_t k = 0; k < keep_running_.size(); ++k) {
     const int c = keep_running_[k];
-    if (judged_[c] && trouble_[c] == Status::solved) continue;
+    if (course_[c].judged && course_[c].trouble == Status::solved) continue;
     restarted_ = false;
     judge_component(c);
-    if (trouble_[c] != Status::solved) next_attempt(c);
-    if (attempt_iterations_[c] < 0) ended = true;
-    judged_[c] = !restarted_;
+    if (course_[c].trouble != Status::solved) next_attempt(c);
+    if (course_[c].ended) ended = true;
+    course_[c].judged = !restarted_;
     any_restarted = any_restarted || restarted_;
   }
   restarted_ = any_restarted;
@@ -43,24 +43,25 @@ void InteriorPoint::Impl::judge() {
     evaluate(linearized_ ? With::matrix : With::residual_alone);  // terms keep what belongs to x: bring them back to the point that is handed out
     undone_ = false;
   }
-  std::erase_if(running_, [&](int c) { return attempt_iterations_[c] < 0; });
+  std::erase_if(running_, [&](int c) { return course_[c].ended; });
   set_running();
 }
 
 void InteriorPoint::Impl::judge_component(int c) {
+  Course& course = course_[c];
   reports_[c].residual = error_[c];
-  if (attempt_iterations_[c] == 0 && reports_[c].attempts == 2) keep_largest(start_residual_[c], port_error_[c]);
-  if (!std::isfinite(error_[c]) && !good_[c]) {
-    trouble_[c] = Status::not_finite;
+  if (course.iterations == 0 && reports_[c].attempts == 2) keep_largest(course.start_residual, port_error_[c]);
+  if (!std::isfinite(error_[c]) && !course.good) {
+    course.trouble = Status::not_finite;
     return;
   }
-  if (trouble_[c] == Status::singular && good_[c]) {
-    trouble_[c] = Status::solved;
+  if (course.trouble == Status::singular && course.good) {
+    course.trouble = Status::solved;
     end(c);  // only the products were to be polished
     return;
   }
-  if (trouble_[c] != Status::solved) return;
-  if (good_[c] && !(error_[c] <= tolerance(c))) {
+  if (course.trouble != Status::solved) return;
+  if (course.good && !(error_[c] <= tolerance(c))) {
     undo(c);
     end(c);
     return;
@@ -71,16 +72,17 @@ void InteriorPoint::Impl::judge_component(int c) {
   }
   if (unsound(c)) return;
   // Products that do not fall in a few steps belong to forces that are not unique; rounding keeps them up.
-  const bool polishing_ends = good_[c] >= most_polishes || (good_[c] > 0 && alpha_[c] < centre_below);
+  const bool polishing_ends = course.good >= most_polishes || (course.good > 0 && alpha_[c] < centre_below);
   if (error_[c] <= tolerance(c) && polishing_ends) {
     end(c);
     return;
   }
-  good_[c] = static_cast<char>(error_[c] <= tolerance(c) ? good_[c] + 1 : 0);
+  course.good = static_cast<char>(error_[c] <= tolerance(c) ? course.good + 1 : 0);
   if (degree_[c] == 0 && backtrack(c)) return;
   const int most = degree_[c] == 0 ? newton_iterations : settings_.max_iterations;
-  if (attempt_iterations_[c] >= most) trouble_[c] = Status::max_iterations;
-  else if (short_steps_[c] >= (reports_[c].attempts < 3 ? patience : last_patience)) trouble_[c] = bounded_[c] ? Status::step_bound : Status::stalled;
+  if (course.iterations >= most) course.trouble = Status::max_iterations;
+  else if (course.short_steps >= (reports_[c].attempts < 3 ? patience : last_patience))
+    course.trouble = course.bounded ? Status::step_bound : Status::stalled;
 }
 
 /// The last step only polished the products s z and made the residual worse: forces that are not unique amplify
@@ -91,7 +93,7 @@ void InteriorPoint::Impl::undo(int c) {
   const auto ports = problem_.ports();
   for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->accept(of_component(port_lists_[b], c), alpha_);
   move_by(c, -step);
-  reports_[c].residual = previous_error_[c];
+  reports_[c].residual = course_[c].previous_error;
   undone_ = true;
 }
 
@@ -99,42 +101,45 @@ void InteriorPoint::Impl::undo(int c) {
 /// the elimination of very stiff pairs is the cause: refine from here on; a step that made things much worse is taken
 /// back first.
 bool InteriorPoint::Impl::unsound(int c) {
-  if (refine_[c] || degree_[c] == 0 || attempt_iterations_[c] == 0) return false;
-  if (previous_error_[c] > refine_below || error_[c] <= tolerance(c)) return false;
+  Course& course = course_[c];
+  if (course.refine || degree_[c] == 0 || course.iterations == 0) return false;
+  if (course.previous_error > refine_below || error_[c] <= tolerance(c)) return false;
   const double of_barrier = barrier_share * std::sqrt(mu_[c] / scale_[c]);  // pairs end near s = z / scale = this
-  if (error_[c] < std::max(0.1 * previous_error_[c], of_barrier) || alpha_[c] < 0.9) {
-    if (!(error_[c] > 10 * previous_error_[c])) return false;
+  if (error_[c] < std::max(0.1 * course.previous_error, of_barrier) || alpha_[c] < 0.9) {
+    if (!(error_[c] > 10 * course.previous_error)) return false;
   }
-  refine_[c] = 1;
-  if (!(error_[c] > 10 * previous_error_[c])) return false;
+  course.refine = true;
+  if (!(error_[c] > 10 * course.previous_error)) return false;
   undo(c);
   alpha_[c] = 1;
-  short_steps_[c] = 0;
+  course.short_steps = 0;
   restarted_ = true;
   return true;
 }
 
 /// The present phase of a component is solved.
 void InteriorPoint::Impl::end(int c) {
-  if (phase_[c] == Phase::frozen || phase_[c] == Phase::refrozen) {
+  Course& course = course_[c];
+  if (course.phase == Phase::frozen || course.phase == Phase::refrozen) {
     refreeze(c);
-  } else if (phase_[c] == Phase::rescaled) {  // the laws' own scale has the last word
-    phase_[c] = Phase::polish;
+  } else if (course.phase == Phase::rescaled) {  // the laws' own scale has the last word
+    course.phase = Phase::polish;
     scale_[c] = scale_of_laws(c);
     start_phase(c);
   } else {
-    attempt_iterations_[c] = -1;
+    course.ended = true;
   }
 }
 
 /// Newton far from the solution: halve the last step while it made the residual larger.
 bool InteriorPoint::Impl::backtrack(int c) {
-  const bool worse = attempt_iterations_[c] > 0 && previous_error_[c] > 1e-2 && error_[c] > previous_error_[c];
-  if (!worse || halvings_[c] >= newton_halvings) {
-    halvings_[c] = 0;
+  Course& course = course_[c];
+  const bool worse = course.iterations > 0 && course.previous_error > 1e-2 && error_[c] > course.previous_error;
+  if (!worse || course.halvings >= newton_halvings) {
+    course.halvings = 0;
     return false;
   }
-  ++halvings_[c];
+  ++course.halvings;
   alpha_[c] *= 0.5;
   move_by(c, -alpha_[c]);
   restarted_ = true;

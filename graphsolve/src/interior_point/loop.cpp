@@ -86,7 +86,7 @@ Status InteriorPoint::Impl::solve(std::span<double> x, double force_factor, std:
 bool InteriorPoint::Impl::most_expect_to_end() const {
   std::size_t ending = 0;
   for (const int c : running_)
-    ending += attempt_iterations_[c] == 0 ? at_start_[c] > 0 : attempt_iterations_[c] >= expected_iterations_[c];
+    ending += course_[c].iterations == 0 ? at_start_[c] > 0 : course_[c].iterations >= expected_iterations_[c];
   return 2 * ending > running_.size();
 }
 
@@ -135,21 +135,21 @@ bool InteriorPoint::Impl::factorize() {
   first_target();
   right_hand_side();
   bool regular = true;
-  const bool keep = std::ranges::any_of(running_, [&](int c) { return refine_[c] != 0; });
+  const bool keep = std::ranges::any_of(running_, [&](int c) { return course_[c].refine != 0; });
   factorization_.keep_matrix(keep);
   const auto outcomes = keep ? factorization_.factorize(running_) : factorization_.factorize_and_solve(running_, dx_);
   solved_ = !keep;
   for (const int c : running_) {
     if (!outcomes[c].ok()) {
-      trouble_[c] = Status::singular;
+      course_[c].trouble = Status::singular;
       regular = false;
     }
   }
   for (const int c : running_) {
-    if (!regular && trouble_[c] == Status::solved) continue;  // does not step now, but after the next factorization
+    if (!regular && course_[c].trouble == Status::solved) continue;  // does not step now, but after the next factorization
     ++reports_[c].iterations;
-    ++attempt_iterations_[c];
-    previous_error_[c] = error_[c];
+    ++course_[c].iterations;
+    course_[c].previous_error = error_[c];
   }
   return regular;
 }
@@ -168,7 +168,7 @@ void InteriorPoint::Impl::solve_linear() {
   if (!solved_) {
     refining_.clear();
     for (const int c : running_)
-      if (refine_[c]) {
+      if (course_[c].refine) {
         refining_.push_back(c);
         copy_rows(rows_of(c), dx_, rhs_);
       }
@@ -183,7 +183,7 @@ void InteriorPoint::Impl::solve_linear() {
 
 /// Near the solution, and on a central enough path, no predictor is needed.
 bool InteriorPoint::Impl::straight_to_floor(int c) const {
-  return error_[c] < affine_from && !(last_alpha_[c] < centre_below);
+  return error_[c] < affine_from && !(course_[c].last_alpha < centre_below);
 }
 
 /// Without a predictor. One pair that lags behind jams at its bound when the others' targets fall faster than the residual
@@ -197,7 +197,7 @@ void InteriorPoint::Impl::first_target() {
   predicts_ = false;
   for (const int c : running_) {
     ratio_[c] = mu_[c] = correction_[c] = 0;
-    last_alpha_[c] = alpha_[c];
+    course_[c].last_alpha = alpha_[c];
     if (degree_[c] > 0 && !straight_to_floor(c)) predicts_ = true;
   }
   for (const int c : running_)
@@ -230,7 +230,7 @@ void InteriorPoint::Impl::affine_step() {
     const double nu = mu_[c] / degree_[c], nu_affine = sum_[c] / degree_[c];
     const double reduction = std::clamp(nu_affine / nu, 0.0, 1.0);
     // After a short step the pairs are unbalanced: centre before going on.
-    const double sigma = last_alpha_[c] < centre_below ? std::max(centring, reduction) : reduction * reduction * reduction;
+    const double sigma = course_[c].last_alpha < centre_below ? std::max(centring, reduction) : reduction * reduction * reduction;
     mu_[c] = std::max(sigma * nu, mu_floor(c));
     correction_[c] = alpha_[c] > 0.1 ? 1 : 0;
   }
@@ -260,7 +260,7 @@ void InteriorPoint::Impl::take_step() {
   const auto terms = problem_.terms();
   for (std::size_t b = 0; b < terms.size(); ++b) terms[b]->bound_step(running(term_lists_[b]), x_, dx_, alpha_);
   for (const int c : running_) {
-    bounded_[c] = alpha_[c] < short_step;
+    course_[c].bounded = alpha_[c] < short_step;
     const double tau = std::max(0.995, 1 - error_[c]);
     if (ratio_[c] > tau) alpha_[c] = std::min(alpha_[c], tau / ratio_[c]);
   }
@@ -270,8 +270,8 @@ void InteriorPoint::Impl::take_step() {
   for (const int c : running_) {
     const double alpha = alpha_[c];
     move_by(c, alpha);
-    judged_[c] = 0;
-    short_steps_[c] = alpha < short_step ? short_steps_[c] + 1 : 0;
+    course_[c].judged = 0;
+    course_[c].short_steps = alpha < short_step ? course_[c].short_steps + 1 : 0;
   }
 }
 

@@ -83,18 +83,10 @@ InteriorPoint::Impl::Impl(Problem& problem, std::shared_ptr<const Symbolic> symb
         default_row_[i] = true;
         ++default_rows_[s.component(s.node(k))];
       }
-  for (auto* v : {&error_, &previous_error_, &product_, &mu_, &alpha_, &ratio_, &sum_, &correction_, &scale_, &change_,
-                  &last_alpha_, &port_error_, &start_error_, &start_residual_})
+  for (auto* v : {&error_, &product_, &mu_, &alpha_, &ratio_, &sum_, &correction_, &scale_, &change_, &port_error_})
     v->assign(components, 0.0);
-  for (auto* v : {&degree_, &attempt_iterations_, &short_steps_, &halvings_, &freezes_, &expected_iterations_})
-    v->assign(components, 0);
-  trouble_.assign(components, Status::solved);
-  phase_.assign(components, Phase::full);
-  doublings_.assign(components, 0);
-  good_.assign(components, 0);
-  bounded_.assign(components, 0);
-  refine_.assign(components, 0);
-  judged_.assign(components, 0);
+  for (auto* v : {&degree_, &expected_iterations_}) v->assign(components, 0);
+  course_.resize(components);
   at_start_.assign(components, 0);
   find_row_ranges();
   kernels_ = &simd::vector_kernels();
@@ -247,12 +239,10 @@ void InteriorPoint::Impl::begin(std::span<const double> x, double force_factor, 
     expected_iterations_[c] = reports_[c].iterations;
     at_start_[c] = static_cast<char>(reports_[c].iterations == 0 ? 2 : std::max(0, at_start_[c] - 1));
     reports_[c] = {};
-    trouble_[c] = Status::solved;
-    phase_[c] = Phase::full;
-    good_[c] = refine_[c] = judged_[c] = 0;
+    course_[c] = {};
     alpha_[c] = 1;
-    attempt_iterations_[c] = short_steps_[c] = halvings_[c] = freezes_[c] = degree_[c] = 0;
-    previous_error_[c] = scale_[c] = 0;
+    scale_[c] = 0;
+    degree_[c] = 0;
   }
   const auto ports = problem_.ports();
   for (std::size_t b = 0; b < ports.size(); ++b) {

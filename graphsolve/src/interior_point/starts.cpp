@@ -32,8 +32,8 @@ void InteriorPoint::Impl::start_warm() {
   evaluate_ports();
   bool again = false;
   for (const int c : running_) {
-    start_error_[c] = port_error_[c];
-    start_residual_[c] = error_[c];
+    course_[c].start_error = port_error_[c];
+    course_[c].start_residual = error_[c];
     if (degree_[c] == 0 || error_[c] <= tolerance(c)) continue;
     // Rows that know nothing of the ports say little about how far these are from their path.
     const double e = std::max(port_error_[c], 0.03 * error_[c]);
@@ -82,8 +82,9 @@ void InteriorPoint::Impl::blame(int c) {
 
 /// From where x is.
 void InteriorPoint::Impl::start_phase(int c) {
-  attempt_iterations_[c] = short_steps_[c] = 0;
-  good_[c] = 0;
+  Course& course = course_[c];
+  course.iterations = course.short_steps = 0;
+  course.good = 0;
   restarted_ = true;
 }
 
@@ -106,12 +107,13 @@ double InteriorPoint::Impl::unit_of_forces(int c) const {
 /// Ladder: warm, cold at 1 m/s, cold at another scale, frozen couplings, cold at the size of all residuals, cold in the
 /// unit of the rows, end.
 void InteriorPoint::Impl::next_attempt(int c) {
-  const Status cause = trouble_[c];
+  Course& course = course_[c];
+  const Status cause = course.trouble;
   const auto ports = problem_.ports();
-  const double usual = std::max(1.0, start_error_[c]), large = start_residual_[c];
-  trouble_[c] = Status::solved;
-  if (phase_[c] == Phase::refrozen && std::isfinite(error_[c])) {  // too small a start: pairs jam at their bounds
-    phase_[c] = Phase::frozen;
+  const double usual = std::max(1.0, course.start_error), large = course.start_residual;
+  course.trouble = Status::solved;
+  if (course.phase == Phase::refrozen && std::isfinite(error_[c])) {  // too small a start: pairs jam at their bounds
+    course.phase = Phase::frozen;
     start_phase(c);
     restart_cold(c, usual);
     return;
@@ -127,18 +129,18 @@ void InteriorPoint::Impl::next_attempt(int c) {
   if (degree_[c] == 0 || reports_[c].attempts == most_attempts) {
     reports_[c].status = cause;
     blame(c);
-    attempt_iterations_[c] = -1;
+    course.ended = true;
     for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->restore(of_component(port_lists_[b], c));
     return;
   }
   copy_rows(rows_of(c), start_, x_);
   alpha_[c] = 1;
   start_phase(c);
-  halvings_[c] = freezes_[c] = doublings_[c] = 0;
-  phase_[c] = Phase::full;
+  course.halvings = course.freezes = course.doublings = 0;
+  course.phase = Phase::full;
   const int attempt = ++reports_[c].attempts;
   if (rescale && attempt == most_attempts) {
-    phase_[c] = Phase::rescaled;
+    course.phase = Phase::rescaled;
     scale_[c] = unit;
     restart_cold(c, std::max(usual, large));
     return;
@@ -147,7 +149,7 @@ void InteriorPoint::Impl::next_attempt(int c) {
   // than 1 (costs, prices), pairs that start small jam at their bounds.
   restart_cold(c, attempt == 3 ? 0.01 : attempt == 5 ? large : usual);
   if (attempt == 4) {
-    phase_[c] = Phase::frozen;
+    course.phase = Phase::frozen;
     for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->relax(of_component(port_lists_[b], c), 1.0, change_);
   }
 }
@@ -156,20 +158,21 @@ void InteriorPoint::Impl::next_attempt(int c) {
 /// time by about as much as the time before, they flee from a fixed point or creep along a bound, and the solution is
 /// far away, where other bounds hold: twice as far each time.
 void InteriorPoint::Impl::refreeze(int c) {
+  Course& course = course_[c];
   const auto ports = problem_.ports();
   const double last = change_[c];
   change_[c] = 0;
-  const double damping = freezes_[c] < undamped_freezes ? 1.0 : std::ldexp(0.5, doublings_[c]);
+  const double damping = course.freezes < undamped_freezes ? 1.0 : std::ldexp(0.5, course.doublings);
   for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->relax(of_component(port_lists_[b], c), damping, change_);
-  const bool drifts = freezes_[c] >= undamped_freezes && change_[c] > 0.9 * last && change_[c] < 4 * last;
-  doublings_[c] = static_cast<char>(drifts ? std::min(doublings_[c] + 1, most_doublings) : 0);
-  if (change_[c] < 1e-6 || ++freezes_[c] > most_freezes) {
-    phase_[c] = Phase::polish;
+  const bool drifts = course.freezes >= undamped_freezes && change_[c] > 0.9 * last && change_[c] < 4 * last;
+  course.doublings = static_cast<char>(drifts ? std::min(course.doublings + 1, most_doublings) : 0);
+  if (change_[c] < 1e-6 || ++course.freezes > most_freezes) {
+    course.phase = Phase::polish;
     for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->relax(of_component(port_lists_[b], c), 0.0, change_);
     start_phase(c);
     return;
   }
-  phase_[c] = Phase::refrozen;
+  course.phase = Phase::refrozen;
   start_phase(c);
   restart_cold(c, std::max(change_[c], 1e-4));
 }
