@@ -136,7 +136,9 @@ class Writer {
   void write_regular(int a) {
     const int d = graph_.dimension({a}), row = graph_.row({a});
     const Eigen::MatrixXd m = normal(d, d);
-    Eigen::MatrixXd h = m * m.transpose() + 0.5 * Eigen::MatrixXd::Identity(d, d);
+    const Eigen::MatrixXd square = m * m.transpose();  // whose triangles may differ by rounding
+    Eigen::MatrixXd h = square.selfadjointView<Eigen::Lower>();
+    h += 0.5 * Eigen::MatrixXd::Identity(d, d);
     if (spec_.values == Values::unsymmetric) h += 0.3 * (m - m.transpose());
     put(row, row, scale_[a] * h);
     for (const auto& edge : graph_.edges({a})) {
