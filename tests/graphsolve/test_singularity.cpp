@@ -131,6 +131,39 @@ TEST(Singularity, IsJudgedByTheMatrixWhereTheFactorsAreOfAnother) {
   EXPECT_TRUE(verdict(1e20));   // the second row is 1e20 times the first
 }
 
+enum class Ends { held, free };
+
+/// Springs in a row, of unequal stiffness where they are free: their sums are rounded then, and the matrix is singular but
+/// for that.
+bool row_of_springs_is_called_singular(int n, Ends ends, FactorizationKind kind) {
+  BlockGraph graph;
+  for (int i = 0; i < n; ++i) {
+    graph.add_node("x" + std::to_string(i), 1);
+    if (i > 0) graph.add_edge({i - 1}, {i});
+  }
+  RobustSolver solver(graph, {.kind = kind, .ordering = OrderingMethod::natural});
+  const Symbolic& s = solver.symbolic();
+  const auto add = [&](int i, int j, double value) { solver.entry(s.block({i}, {j})) += value; };
+  for (int i = 0; i + 1 < n; ++i) {
+    const double stiffness = ends == Ends::held ? 1 : 1 + 0.7 * std::sin(3.0 * i);
+    for (const int k : {i, i + 1}) add(k, k, stiffness);
+    add(i, i + 1, -stiffness);
+    add(i + 1, i, -stiffness);
+  }
+  if (ends == Ends::held)
+    for (const int i : {0, n - 1}) add(i, i, 1);
+  return is_singular(solver.factorization(), solver.factorize());
+}
+
+// The smallest singular value of the former falls with n squared: 300000 rows leave 1e-10 of a vector, 1e5 times rounding.
+TEST(Singularity, IsNoMatterOfTheNumberOfRows) {
+  for (const int n : {100, 10000, 300000})
+    EXPECT_FALSE(row_of_springs_is_called_singular(n, Ends::held, FactorizationKind::cholesky)) << n;
+  for (const int n : {100, 1000, 10000})
+    for (const auto kind : {FactorizationKind::ldlt, FactorizationKind::ldu})
+      EXPECT_TRUE(row_of_springs_is_called_singular(n, Ends::free, kind)) << n;
+}
+
 TEST(Singularity, IsNotAskedOfWhatIsNoNumberOrWasNotKept) {
   BlockGraph graph;
   const NodeId x = graph.add_node("x", 2);

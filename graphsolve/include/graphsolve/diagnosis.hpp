@@ -51,11 +51,11 @@ struct Diagnosis {
 /// Throws std::invalid_argument when the matrix was not kept.
 Diagnosis diagnose(const BlockGraph& graph, const Factorization& factorization, const Factorization::Outcome& outcome);
 
-/// Does the matrix shorten some vector to rounding, 4e-16 per row of its longest column, whatever the units of its rows and
-/// columns? Asked twice: with largest entries scaled to near 1, and with the middles of rows and columns near 1 first. By two
-/// sweeps of inverse iteration with the factors, the vector found being judged by the matrix; where pivots were boosted, rows
-/// left out, or factors disagree with the matrix, by a general sparse LU. A solution with a small backward error does not
-/// say so: many singular systems are solved to rounding. Of a RobustSolver: its factorization(), Report::outcome.
+/// Does the matrix shorten some vector v to rounding, |A v| <= 4e-15 ||A| |v||, whatever the number of its rows and the units
+/// of rows and columns? Asked twice: with largest entries scaled to near 1, and with the middles of rows and columns near 1
+/// first. By two sweeps of inverse iteration with the factors, the vector found being judged by the matrix; where pivots were
+/// boosted, rows left out, or factors disagree with the matrix, by a general sparse LU. A solution with a small backward error
+/// does not say so: many singular systems are solved to rounding. Of a RobustSolver: its factorization(), Report::outcome.
 /// Arguments and throws as diagnose(). False where the matrix holds a number that is none.
 bool is_singular(const Factorization& factorization, const Factorization::Outcome& outcome);
 

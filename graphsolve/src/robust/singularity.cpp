@@ -10,24 +10,21 @@ namespace graphsolve {
 namespace {
 
 constexpr int middle_passes = 30;   ///< of the second look
-constexpr double rounding = 4e-16;  ///< per row, of the longest column
+constexpr double rounding = 4e-15;  ///< of what the sizes of the entries make of the vector, signs left out
 constexpr double agrees = 2;        ///< what factors say of a vector and what the matrix does to it
 
 /// A matrix in units of its own, and what is asked of it.
 class Scaled {
  public:
-  Scaled(const Eigen::SparseMatrix<double>& a, Scales scales) : scales_(std::move(scales)), matrix_(scales_.applied_to(a)) {
-    for (int j = 0; j < matrix_.cols(); ++j) column_ = std::max(column_, matrix_.col(j).norm());
-  }
+  Scaled(const Eigen::SparseMatrix<double>& a, Scales scales) : scales_(std::move(scales)), matrix_(scales_.applied_to(a)) {}
 
   [[nodiscard]] bool is_singular() const {
     const NearNull found = near_null(matrix_);
-    return found.vector.size() == 0 || shortens_to_rounding(found.shortened - agrees * found.shift);
+    return found.vector.size() == 0 || shortened_to_rounding(found.vector, agrees * found.shift);
   }
   /// With factors of the matrix as it was. Those of another one, boosted ones or such that growth spoiled, betray themselves.
   [[nodiscard]] bool is_singular(const Factorization& factors) const {
     Eigen::VectorXd v = uneven_vector(matrix_.rows());
-    double lengthened = 0;
     for (int sweep = 0; sweep < 2; ++sweep)
       for (const bool transposed : {true, false}) {
         v.normalize();
@@ -35,22 +32,23 @@ class Scaled {
         const std::span<double> x(v.data(), static_cast<std::size_t>(v.size()));
         transposed ? factors.solve_transposed(x) : factors.solve(x);
         v = v.cwiseQuotient(transposed ? scales_.row : scales_.column);
-        lengthened = v.norm();
       }
-    const double shortened = (matrix_ * v).norm() / lengthened;
-    if (shortens_to_rounding(shortened)) return true;
-    const bool credible = shortened * lengthened < agrees && agrees * shortened * lengthened > 1;
+    if (shortened_to_rounding(v, 0)) return true;
+    const double back = (matrix_ * v).norm();  // 1 by the factors
+    const bool credible = back < agrees && agrees * back > 1;
     return !credible && is_singular();
   }
 
  private:
-  [[nodiscard]] bool shortens_to_rounding(double length) const {
-    return !(length > rounding * static_cast<double>(matrix_.rows()) * column_);
+  /// Rounding every entry alone can make a matrix singular that leaves no more of a vector than a few eps |A| |v|. That does
+  /// not grow with the number of rows, and the smallest singular value of a long chain falls with its square. False of NaN.
+  [[nodiscard]] bool shortened_to_rounding(const Eigen::VectorXd& v, double slack) const {
+    const double unsigned_length = (matrix_.cwiseAbs() * v.cwiseAbs()).norm();
+    return (matrix_ * v).norm() - slack * v.norm() <= rounding * unsigned_length;
   }
 
   Scales scales_;
   Eigen::SparseMatrix<double> matrix_;
-  double column_ = 0;
 };
 
 }  // namespace
