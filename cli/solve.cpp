@@ -38,7 +38,7 @@ the robust chain (reordering, proximal shift, threshold pivoting); every attempt
 gets seeded ones with a dominant diagonal.
 
 A singular matrix is named as such, with the blocks in question, also where this right-hand side has solutions;
---accept-singular takes one of them.
+--accept-singular takes one of them. Numbers that leave the range of doubles on the way do not make a matrix singular.
 
 Exit code: 0 solved, 1 the matrix is singular or no attempt was good enough (the blocks in question are named),
 2 wrong input or a file that cannot be read or written.)";
@@ -57,6 +57,10 @@ io::DenseMatrix right_hand_side(const Options& options, const SparseMatrix& matr
   if (options.right.empty()) {
     const std::vector<double> ones(static_cast<std::size_t>(matrix.columns), 1.0);
     multiply(options.transposed ? transpose(matrix) : matrix, ones, b.value);
+    for (std::size_t i = 0; i < b.value.size(); ++i)
+      if (!std::isfinite(b.value[i]))
+        throw DescriptionError(fmt::format("{}: row {} of {} * ones is {}: give a right-hand side", options.matrix, i + 1,
+                                           options.transposed ? "A^T" : "A", b.value[i]));
     return b;
   }
   translate_errors(options.right, [&] { b = io::read_dense_matrix_market(options.right); });
@@ -131,7 +135,9 @@ int solve(const Options& options) {
     text += fmt::format("largest |x - 1|: {}\n", scientific(error));
   }
   const auto complain = [&] {
-    fmt::print(stderr, "graphsolve: {}: the matrix is singular, or too near to it\n", options.matrix);
+    fmt::print(stderr, "graphsolve: {}: {}\n", options.matrix,
+               result.singular ? "the matrix is singular, or too near to it"
+                               : "no attempt was good enough; the matrix was not found to be singular");
     for (const std::string& sentence : result.diagnosis) fmt::print(stderr, "graphsolve: {}\n", sentence);
   };
   if (!result.good || (result.singular && !options.accept_singular)) {

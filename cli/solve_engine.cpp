@@ -132,7 +132,8 @@ bool try_graph(const Run& run, const std::shared_ptr<const Symbolic>& symbolic, 
     }
     attempt.solve_seconds = timing::thread_time() - factored;
     judge(run, attempt);
-    if (is_singular(factor, attempt.outcome)) explain(run, diagnose(run.source.blocks.graph, factor, attempt.outcome));
+    run.result.singular = is_singular(factor, attempt.outcome);
+    if (run.result.singular) explain(run, diagnose(run.source.blocks.graph, factor, attempt.outcome));
     else if (attempt.outcome.dropped_rows > 0) attempt.trouble = "left out rows that do not depend on others";
   }
   run.result.attempts.push_back(attempt);
@@ -171,7 +172,8 @@ bool try_robust(const Run& run, OrderingMethod ordering) {
     if (run.columns > 1) attempt.trouble += fmt::format(" for {} of {} right-hand sides", report.unsolved, run.columns);
     attempt.error = {std::nan(""), std::nan("")};
   }
-  if (!attempt.trouble.empty() || is_singular(solver.factorization(), attempt.outcome))
+  run.result.singular = is_singular(solver.factorization(), attempt.outcome);
+  if (!attempt.trouble.empty() || run.result.singular)
     explain(run, diagnose(run.source.blocks.graph, solver.factorization(), attempt.outcome));
   run.result.attempts.push_back(attempt);
   return attempt.trouble.empty();
@@ -197,8 +199,6 @@ SolveResult solve_system(const MatrixSource& source, std::span<const double> b, 
     result.diagnosis.clear();
     good = try_robust(run, request.ordering);
   }
-  // Rows left out by a factorization that then leaves no residual are dependent; a large residual may have made them.
-  result.singular = !result.diagnosis.empty();
   result.good = good;
   return result;
 }

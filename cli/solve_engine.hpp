@@ -34,10 +34,10 @@ struct Attempt {
 struct SolveResult {
   std::vector<double> x;  ///< rows x columns, of the last attempt
   std::vector<Attempt> attempts;
-  std::vector<std::string> diagnosis;  ///< sentences that name blocks, when the matrix is singular
+  std::vector<std::string> diagnosis;  ///< sentences that name blocks, when the matrix is singular or no attempt was good
   double fill_ratio = 1;
   bool good = false;      ///< the last attempt reached the bar
-  bool singular = false;  ///< x, if good, is one solution of many
+  bool singular = false;  ///< found to be; x, if good, is one solution of many
 };
 
 /// Largest normwise backward error that counts as solved.

@@ -257,6 +257,25 @@ TEST_F(SolveCommand, TheRightHandSideThatHasNoSolutionIsNamed) {
   EXPECT_NE(outcome.out.find(": right-hand side 2: factorization: backward error"), std::string::npos) << outcome.out;
 }
 
+/// The first overflows as the program makes its right-hand side, the others as they are solved.
+TEST_F(SolveCommand, NumbersOutOfTheRangeOfDoublesMakeNoMatrixSingular) {
+  write("large.mtx", 2, {{0, 0, 1.7e308}, {0, 1, 1.6e308}, {1, 0, 1.6e308}, {1, 1, 1.7e308}});
+  const Outcome own = run("solve large.mtx");
+  EXPECT_EQ(own.code, 2) << own.out << own.err;
+  EXPECT_NE(own.err.find("large.mtx: row 1 of A * ones is inf: give a right-hand side"), std::string::npos) << own.err;
+  write("b.mtx", io::matrix_market(std::vector<double>{1.7e308, 1.6e308}, 2));
+  EXPECT_EQ(run("solve large.mtx b.mtx").err.find("is singular"), std::string::npos);
+  for (const auto& [a, b] : {std::pair{1e-200, 1e200}, std::pair{1e200, 1e-200}}) {
+    write("a.mtx", 1, {{0, 0, a}});
+    write("b.mtx", io::matrix_market(std::vector<double>{b}, 1));
+    const Outcome outcome = run("solve a.mtx b.mtx --out x.mtx");
+    EXPECT_EQ(outcome.code, 1) << outcome.out;
+    EXPECT_NE(outcome.err.find("a.mtx: no attempt was good enough; the matrix was not found to be singular"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.out.find("the matrix is not singular, "), std::string::npos) << outcome.out;
+    EXPECT_FALSE(fs::exists(folder_ / "x.mtx"));
+  }
+}
+
 /// Its first row has no pivot of its own, and goes first in natural order only.
 TEST_F(SolveCommand, TheRobustChainKeepsTheOrderingThatWasAskedFor) {
   write("a.mtx", 3, {{1, 1, 3}, {2, 2, 1}, {0, 1, 1}, {1, 0, 1}, {0, 2, 1}, {2, 0, 1}});

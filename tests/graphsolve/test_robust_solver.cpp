@@ -184,6 +184,40 @@ TEST(RobustSolver, NumbersThatAreNoneAreNamed) {
   EXPECT_EQ(solver.solve(bad, x).why, "right-hand side 0 of 'right' is inf");
 }
 
+/// One equation a x = b.
+RobustSolver::Report of_numbers(double a, double b, double acceptable = 1e-12) {
+  BlockGraph graph;
+  const NodeId node = graph.add_node("only", 1);
+  RobustSolver solver(graph, {.acceptable = acceptable});
+  solver.entry(solver.symbolic().block(node, node)) = a;
+  double x = 7;
+  const auto report = solver.solve({&b, 1}, {&x, 1});
+  EXPECT_EQ(x == 7, report.status != Status::solved);
+  return report;
+}
+
+TEST(RobustSolver, NumbersOutOfTheRangeOfDoublesMakeNoMatrixSingular) {
+  const auto large = of_numbers(1e-200, 1e200), small = of_numbers(1e200, 1e-200);
+  EXPECT_EQ(large.status, Status::not_finite) << large.why;
+  EXPECT_NE(large.why.find("the matrix is not singular, numbers on the way to the solution are too large"), std::string::npos) << large.why;
+  EXPECT_EQ(small.status, Status::stalled) << small.why;
+  EXPECT_NE(small.why.find("the matrix is not singular, its solution is too small"), std::string::npos) << small.why;
+  EXPECT_EQ(of_numbers(1e-200, 1e-200).status, Status::solved);
+}
+
+TEST(RobustSolver, WhatIsNotAccurateEnoughIsStalledAndNotSingular) {
+  const auto report = of_numbers(3, 1, -1);
+  EXPECT_EQ(report.status, Status::stalled);
+  EXPECT_TRUE(report.why.ends_with("; the matrix is not singular")) << report.why;
+  RobustSolver given(pair_graph(), {.fallback = [](const RobustSolver::Matrix&, std::span<const double>, std::span<double>) { return false; }});
+  fill(given, 0, 1, 1, 0);
+  const std::vector<double> b{1, 2};
+  std::vector<double> x(2);
+  const auto failed = given.solve(b, x);
+  EXPECT_EQ(failed.status, Status::stalled);
+  EXPECT_NE(failed.why.find("the given solver failed; the matrix is not singular"), std::string::npos) << failed.why;
+}
+
 Diagnosis of_matrix(const BlockGraph& graph, const Eigen::Matrix2d& a, FactorizationKind kind = FactorizationKind::ldu) {
   Factorization f(std::make_shared<const Symbolic>(graph, natural_ordering(graph)), kind);
   f.allow_refinement();

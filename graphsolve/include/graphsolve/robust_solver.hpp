@@ -64,7 +64,9 @@ class RobustSolver {
   }
 
   struct Report {
-    Status status = Status::solved;  ///< solved; not_finite; singular: no solution, or none that any rung found
+    /// solved; singular: no solution, or no rung found one and is_singular() says so; not_finite: of the input, or the solution
+    /// is too large for doubles; stalled: none was accurate enough, although the matrix is not singular
+    Status status = Status::solved;
     Rung rung = Rung::factorization;
     std::string why;            ///< what was wrong with the rungs before, or with the system; empty: nothing
     double backward_error = 0;  ///< componentwise, of the x handed out or of the best one found

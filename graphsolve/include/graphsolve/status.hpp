@@ -8,9 +8,9 @@ namespace graphsolve {
 enum class [[nodiscard]] Status {
   solved,             ///< the natural residual is below the tolerance
   max_iterations,     ///< still moving when the iterations ran out
-  stalled,            ///< the step length went to zero: no progress possible from any of the starts tried
+  stalled,            ///< the step length went to zero: no progress possible from any of the starts tried; linear: too inaccurate
   singular,           ///< a pivot block is singular: an undetermined unknown, contradictions, or an order that errs
-  not_finite,         ///< NaN or infinity in the data
+  not_finite,         ///< NaN or infinity in the data or on the way
   step_bound,         ///< the solution lies beyond the bound on the step
 };
 

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
+#include "graphsolve/diagnosis.hpp"
 #include "graphsolve/io/block_view.hpp"
 #include "factorization/kept_matrix.hpp"
 #include "robust/robust_rungs.hpp"
@@ -91,6 +93,21 @@ std::string RobustSolver::Impl::not_finite(std::span<const double> b) const {
         return "right-hand side " + std::to_string(i) + " of '" + std::string(graph->name({k})) + "' is " +
                short_number(value);
   return {};
+}
+
+/// What it is called when no rung was good enough. A matrix is not singular because numbers outgrew the range of doubles.
+Status RobustSolver::Impl::unsolved(Search& search) const {
+  const bool singular = is_singular(first, outcome);
+  search.why += singular ? "; the matrix is singular" : "; the matrix is not singular";  // every rung has said something
+  if (singular) return Status::singular;
+  if (!search.best) return Status::stalled;
+  if (!search.best->x.allFinite() || !std::isfinite(search.best->error)) {
+    search.why += ", numbers on the way to the solution are too large for doubles";
+    return Status::not_finite;
+  }
+  if (search.best->x.cwiseAbs().maxCoeff() < std::numeric_limits<double>::min())
+    search.why += ", its solution is too small for doubles";
+  return Status::stalled;
 }
 
 }  // namespace graphsolve

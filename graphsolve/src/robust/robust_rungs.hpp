@@ -85,6 +85,7 @@ struct RobustSolver::Impl {
   [[nodiscard]] std::string not_finite(std::span<const double> b) const;
   [[nodiscard]] double remainder(const Eigen::VectorXd& y) const;
   void find_contradictions(const Columns& columns);
+  [[nodiscard]] Status unsolved(Search& search) const;
 };
 
 /// A number for a sentence.

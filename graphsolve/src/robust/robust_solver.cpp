@@ -119,7 +119,10 @@ RobustSolver::Report RobustSolver::Impl::solve_column(const Columns& columns, in
     report.rung = search.best->rung;
     report.backward_error = search.best->error;
   }
-  if (!solved) return fail(Status::singular, std::move(search.why));
+  if (!solved) {
+    const Status status = unsolved(search);
+    return fail(status, std::move(search.why));
+  }
   report.why = std::move(search.why);
   std::copy(search.best->x.begin(), search.best->x.end(), columns.solution(c).begin());
   return report;

@@ -9,9 +9,10 @@ namespace graphsolve {
 
 namespace {
 
-constexpr int middle_passes = 30;   ///< of the second look
-constexpr double rounding = 4e-15;  ///< of what the sizes of the entries make of the vector, signs left out
-constexpr double agrees = 2;        ///< what factors say of a vector and what the matrix does to it
+constexpr int middle_passes = 30;    ///< of the second look
+constexpr double rounding = 4e-15;   ///< of what the sizes of the entries make of the vector, signs left out
+constexpr double agrees = 1.01;      ///< what factors say of a vector and what the matrix does to it
+constexpr double shift_slack = 2;    ///< times the shift of the diagonal
 
 /// A matrix in units of its own, and what is asked of it.
 class Scaled {
@@ -20,7 +21,7 @@ class Scaled {
 
   [[nodiscard]] bool is_singular() const {
     const NearNull found = near_null(matrix_);
-    return found.vector.size() == 0 || shortened_to_rounding(found.vector, agrees * found.shift);
+    return found.vector.size() == 0 || shortened_to_rounding(found.vector, shift_slack * found.shift);
   }
   /// With factors of the matrix as it was. Those of another one, boosted ones or such that growth spoiled, betray themselves.
   [[nodiscard]] bool is_singular(const Factorization& factors) const {

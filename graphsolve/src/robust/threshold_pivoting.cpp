@@ -58,7 +58,7 @@ bool ThresholdPivoting::solve_once(const Eigen::VectorXd& b, Eigen::VectorXd& x)
 ThresholdPivoting::Result ThresholdPivoting::solve(const Eigen::VectorXd& b, int max_sweeps) {
   Result result;
   Eigen::VectorXd x, residual, correction;
-  if (!regular_) result.why = "the matrix is singular";
+  if (!regular_) result.why = "no usable pivot is left";
   else if (!solve_once(b, x)) result.why = "the given solver failed";
   if (!result.why.empty()) return result;
   result.x = x;
