@@ -41,7 +41,7 @@ A singular matrix is named as such, with the blocks in question, also where this
 --accept-singular takes one of them. Numbers that leave the range of doubles on the way do not make a matrix singular.
 
 Exit code: 0 solved, 1 the matrix is singular or no attempt was good enough (the blocks in question are named),
-2 wrong input or a file that cannot be read or written.)";
+2 wrong input, a file that cannot be read or written, or fill beyond the memory of the machine.)";
 
 std::optional<FactorizationKind> parse_kind(const std::string& text) {
   if (text == "auto") return std::nullopt;
@@ -123,7 +123,8 @@ int solve(const Options& options) {
     throw DescriptionError(fmt::format("{}: {} needs a symmetric matrix", options.matrix, options.factorization));
   SolveRequest request = wanted;
   request.columns = b.columns;
-  const SolveResult result = solve_system(source, b.value, request);
+  SolveResult result;
+  translate_errors(options.matrix, [&] { result = solve_system(source, b.value, request); });
   std::string text = fmt::format("{}: {}\nordering {}, fill ratio {:.2f}, {}{}\n\n", options.matrix,
                                  describe(source, options.blocks), name(request.ordering), result.fill_ratio,
                                  count(b.columns, "right-hand side", "right-hand sides"),

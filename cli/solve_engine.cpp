@@ -1,9 +1,11 @@
 #include "solve_engine.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "graphsolve/diagnosis.hpp"
 #include "graphsolve/entry_map.hpp"
@@ -35,6 +37,23 @@ std::vector<FactorizationKind> ladder(const MatrixSource& source, const SolveReq
   for (const double d : diagonal) positive = positive && d > 0;
   if (positive) return {cholesky, ldlt, ldu};
   return {ldlt, ldu};
+}
+
+/// Throws std::invalid_argument where the factor alone would take more memory than the machine has. Each fill block has its numbers
+/// and at least three words in tables.
+void expect_to_fit(const BlockGraph& graph, const Ordering& ordering) {
+  const double machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+  const double words = machine / sizeof(double);
+  if (!(machine > 0)) return;  // not known
+  std::int64_t ends = 0;
+  for (int k = 0; k < graph.size(); ++k) ends += static_cast<std::int64_t>(graph.edges({k}).size());
+  constexpr int tables = 3, numbers = 2;
+  const PredictedCost cost = predict_cost(graph, ordering, static_cast<std::int64_t>(words / (tables + numbers)) + ends / 2 + 1);
+  if (static_cast<double>(cost.stored_scalars) + tables * static_cast<double>(cost.fill_blocks) <= words) return;
+  throw std::invalid_argument(
+      fmt::format("in the order '{}' the matrix fills so much that its factor would take more than the {:.0f} GB of this machine; "
+                  "take another --ordering ('graphsolve analyze' compares them), or merge rows into blocks with --blocks",
+                  name(ordering.method), machine / 1e9));
 }
 
 /// Everything one run works on.
@@ -188,7 +207,9 @@ SolveResult solve_system(const MatrixSource& source, std::span<const double> b, 
   const SparseMatrix turned = transposed ? transpose(source.file.matrix) : SparseMatrix();
   const Run run{source, transposed ? turned : source.file.matrix, b, request.columns, request.system, result};
   const BlockGraph& graph = source.blocks.graph;
-  const auto symbolic = std::make_shared<const Symbolic>(graph, make_ordering(graph, request.ordering));
+  const Ordering ordering = make_ordering(graph, request.ordering);
+  expect_to_fit(graph, ordering);
+  const auto symbolic = std::make_shared<const Symbolic>(graph, ordering);
   result.fill_ratio = io::fill_ratio(*symbolic);
   bool good = false;
   for (const FactorizationKind kind : ladder(source, request)) {

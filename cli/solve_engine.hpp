@@ -43,6 +43,7 @@ struct SolveResult {
 /// Largest normwise backward error that counts as solved.
 constexpr double solved_below = 1e-12;
 
+/// Throws std::invalid_argument where fill would take more memory than the machine has.
 SolveResult solve_system(const MatrixSource& source, std::span<const double> b, const SolveRequest& request);
 
 }  // namespace cli

@@ -276,6 +276,19 @@ TEST_F(SolveCommand, NumbersOutOfTheRangeOfDoublesMakeNoMatrixSingular) {
   }
 }
 
+/// Its first row goes first in natural order and fills all of the matrix: 1.6e11 numbers.
+TEST_F(SolveCommand, FillBeyondTheMemoryOfTheMachineIsRefusedBeforeItIsMade) {
+  constexpr int n = 400'000;
+  std::string arrow = "%%MatrixMarket matrix coordinate real symmetric\n400000 400000 799999\n1 1 400000\n";
+  for (int i = 2; i <= n; ++i) arrow += std::to_string(i) + " 1 1\n" + std::to_string(i) + " " + std::to_string(i) + " 4\n";
+  write("arrow.mtx", arrow);
+  const Outcome outcome = run("solve arrow.mtx --ordering natural");
+  EXPECT_EQ(outcome.code, 2) << outcome.out;
+  EXPECT_TRUE(outcome.err.starts_with("graphsolve: arrow.mtx: in the order 'natural' the matrix fills so much that its factor"))
+      << outcome.err;
+  EXPECT_NE(outcome.err.find("take another --ordering"), std::string::npos) << outcome.err;
+}
+
 /// Its first row has no pivot of its own, and goes first in natural order only.
 TEST_F(SolveCommand, TheRobustChainKeepsTheOrderingThatWasAskedFor) {
   write("a.mtx", 3, {{1, 1, 3}, {2, 2, 1}, {0, 1, 1}, {1, 0, 1}, {0, 2, 1}, {2, 0, 1}});

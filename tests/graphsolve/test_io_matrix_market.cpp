@@ -10,6 +10,7 @@
 
 #include "graphsolve/io/eigen.hpp"
 #include "graphsolve/io/matrix_market.hpp"
+#include "graphsolve/io/text_file.hpp"
 
 namespace test_io_matrix_market {
 

@@ -10,6 +10,8 @@
 
 #include "graphsolve/ordering.hpp"
 #include "graphsolve/symbolic.hpp"
+#include "ordering/ordering_wide.hpp"
+#include "ordering/quotient_graph.hpp"
 #include "support/graph_families.hpp"
 
 namespace test_ordering_wide {
@@ -123,6 +125,46 @@ TEST(WideOrdering, OneRoundOfAStarTakesAllLeaves) {
 
 TEST(WideOrdering, CostlessStatesAreNeverForced) {
   for (int seed = 1; seed <= 100; ++seed) EXPECT_EQ(wide_ordering(families::control(2 + seed % 30, seed)).forced, 0);
+}
+
+BlockGraph complete(int n) {
+  BlockGraph graph;
+  for (int i = 0; i < n; ++i) {
+    graph.add_node("x" + std::to_string(i), 1 + i % 3);
+    for (int k = 0; k < i; ++k) graph.add_edge({k}, {i});
+  }
+  return graph;
+}
+
+TEST(WideOrdering, OfACompleteGraphLooksAtEveryEdgeAFewTimes) {
+  for (const int n : {10, 100, 400}) {
+    const CountedOrdering result = counted_wide_ordering(complete(n));
+    EXPECT_LE(result.walked, 3 * n * n) << n;
+    for (int k = 0; k + 1 < n; ++k)  // large ones first, then as numbered
+      EXPECT_TRUE(std::pair(-result.ordering.sequence[k].index % 3, result.ordering.sequence[k].index) <
+                  std::pair(-result.ordering.sequence[k + 1].index % 3, result.ordering.sequence[k + 1].index)) << n << ", " << k;
+  }
+}
+
+TEST(QuotientGraph, RowsAroundAreThoseOfTheNeighbours) {
+  std::mt19937 random(1);
+  for (int trial = 0; trial < 40; ++trial) {
+    const BlockGraph graph = trial == 0 ? complete(60) : families::random_with_loops(60, trial * trial / 4, trial);
+    QuotientGraph rest(graph);
+    std::vector<int> sequence(graph.size()), around;
+    std::iota(sequence.begin(), sequence.end(), 0);
+    std::shuffle(sequence.begin(), sequence.end(), random);
+    for (const int gone : sequence) {
+      rest.eliminate(gone);
+      for (int i = 0; i < graph.size(); ++i) {
+        if (!rest.alive(i)) continue;
+        rest.neighbours(i, graph.size(), around);
+        int rows = 0;
+        for (const int k : around) rows += graph.dimension({k});
+        ASSERT_EQ(rest.rows_around(i), rows) << trial << ", node " << i;
+      }
+    }
+  }
 }
 
 }  // namespace test_ordering_wide

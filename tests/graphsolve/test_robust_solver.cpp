@@ -218,6 +218,14 @@ TEST(RobustSolver, WhatIsNotAccurateEnoughIsStalledAndNotSingular) {
   EXPECT_NE(failed.why.find("the given solver failed; the matrix is not singular"), std::string::npos) << failed.why;
 }
 
+TEST(RobustSolver, NothingIsSolvedByNothing) {
+  RobustSolver solver{BlockGraph()};
+  const auto report = solver.solve({}, {});
+  EXPECT_EQ(report.status, Status::solved) << report.why;
+  EXPECT_EQ(solver.solve_transposed({}, {}, 3).status, Status::solved);
+  EXPECT_TRUE(report.outcome.ok());
+}
+
 Diagnosis of_matrix(const BlockGraph& graph, const Eigen::Matrix2d& a, FactorizationKind kind = FactorizationKind::ldu) {
   Factorization f(std::make_shared<const Symbolic>(graph, natural_ordering(graph)), kind);
   f.allow_refinement();

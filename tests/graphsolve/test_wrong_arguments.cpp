@@ -333,6 +333,45 @@ TEST(WrongArguments, AMatrixGoesToAndFroInItsOwnSizesOnly) {
   crooked.row.back() = 7;
   EXPECT_THROW((void)io::to_eigen(crooked), std::invalid_argument);
   EXPECT_THROW(EntryMap(crooked, blocks, symbolic), std::invalid_argument);
+  EXPECT_THROW((void)transpose(crooked), std::invalid_argument);
+  EXPECT_THROW((void)symmetry(crooked), std::invalid_argument);
+  EXPECT_THROW((void)transpose(SparseMatrix{3, 3, {0, 9, 9, 9}, {0}, {1.0}}), std::invalid_argument);
+  EXPECT_THROW((void)transpose(SparseMatrix{-1, 3, {0, 0, 0, 0}, {}, {}}), std::invalid_argument);
+  EXPECT_THROW((void)transpose(SparseMatrix{3, -1, {}, {}, {}}), std::invalid_argument);
+}
+
+TEST(WrongArguments, AnEntryMapTakesThePlanOfItsOwnGraph) {
+  const auto diagonal = [](int n) {
+    std::vector<Triplet> entries;
+    for (int i = 0; i < n; ++i) entries.push_back({i, i, 2});
+    return from_triplets(n, n, entries);
+  };
+  const SparseMatrix matrix = diagonal(3);
+  BlockStructure blocks = detect_blocks(matrix);
+  const TwoNodes two;  // three rows as well, but in two blocks
+  EXPECT_THROW(EntryMap(matrix, blocks, *two.symbolic), std::invalid_argument);
+  for (const int n : {2, 4}) {
+    const BlockStructure others = detect_blocks(diagonal(n));
+    EXPECT_THROW(EntryMap(matrix, blocks, Symbolic(others.graph, natural_ordering(others.graph))), std::invalid_argument);
+  }
+  BlockGraph turned;  // as many blocks and rows, otherwise divided
+  (void)turned.add_node("a", 1);
+  (void)turned.add_node("b", 2);
+  BlockStructure ours = blocks;
+  ours.graph = two.graph;
+  EXPECT_THROW(EntryMap(matrix, ours, Symbolic(turned, natural_ordering(turned))), std::invalid_argument);
+  EXPECT_NO_THROW(EntryMap(matrix, ours, *two.symbolic));
+  ours.row_of.back() = 3;
+  EXPECT_THROW(EntryMap(matrix, ours, *two.symbolic), std::invalid_argument);
+  ours.row_of.pop_back();
+  EXPECT_THROW(EntryMap(matrix, ours, *two.symbolic), std::invalid_argument);
+}
+
+TEST(WrongArguments, APortIsCheckedAtAPointOfAllRows) {
+  const TwoNodes two;
+  Bound bound({1}, 0, Bound::Side::lower, 0.5);
+  for (const std::size_t rows : {0u, 1u, 2u, 4u})
+    EXPECT_THROW((void)check_port(bound, *two.symbolic, std::vector<double>(rows, 1.0)), std::invalid_argument) << rows;
 }
 
 }  // namespace test_wrong_arguments

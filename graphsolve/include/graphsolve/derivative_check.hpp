@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -77,9 +78,13 @@ DerivativeReport check_port_by_entries(Port& port, std::span<const double> x, st
   return report;
 }
 
-/// A port that is wired by this Symbolic, at x, a vector of all rows of its graph.
+/// A port that is wired by this Symbolic, at x, a vector of all rows of its graph; another length throws
+/// std::invalid_argument.
 template <class Port>
 DerivativeReport check_port(Port& port, const Symbolic& symbolic, std::span<const double> x, double step = 1e-6) {
+  if (x.size() != static_cast<std::size_t>(symbolic.rows()))
+    throw std::invalid_argument("check_port: a point of " + std::to_string(x.size()) + " numbers, the graph has " +
+                                std::to_string(symbolic.rows()) + " rows");
   std::vector<int> pivot(x.size());
   for (int k = 0; k < symbolic.pivots(); ++k) std::fill_n(pivot.begin() + symbolic.row(k), symbolic.dimension(k), k);
   const auto entry = [&](const std::vector<double>& values, int i, int j) {

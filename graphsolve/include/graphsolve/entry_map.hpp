@@ -18,7 +18,7 @@ enum class FactorizationKind;
 /// pattern then take one pass.
 class EntryMap {
  public:
-  /// Throws std::invalid_argument when the symbolic has no block for an entry.
+  /// Throws std::invalid_argument when the matrix is malformed, the symbolic is of another graph, or has no block for an entry.
   EntryMap(const SparseMatrix& matrix, const BlockStructure& structure, const Symbolic& symbolic);
   /// Only what a factorization of this kind reads: of the symmetric ones a triangle. The rest stays as it is.
   EntryMap(const SparseMatrix& matrix, const BlockStructure& structure, const Symbolic& symbolic, FactorizationKind kind);

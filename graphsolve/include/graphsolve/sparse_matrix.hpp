@@ -33,6 +33,7 @@ struct Triplet {
 /// Throws std::invalid_argument when an entry lies outside.
 SparseMatrix from_triplets(int rows, int columns, std::span<const Triplet> triplets);
 
+/// Throws as check_columns does; so does symmetry().
 SparseMatrix transpose(const SparseMatrix& matrix);
 
 /// How the two triangles of a square matrix compare. An entry of value zero is an entry.

@@ -40,6 +40,8 @@ void check_length(const char* what, std::size_t given, int needed) {
 }  // namespace
 
 void check_columns(const SparseMatrix& matrix) {
+  if (matrix.rows < 0 || matrix.columns < 0)
+    throw std::invalid_argument("a matrix cannot have " + std::to_string(std::min(matrix.rows, matrix.columns)) + " rows or columns");
   const auto& begin = matrix.begin;
   const auto entries = static_cast<std::int64_t>(matrix.row.size());
   if (begin.size() != static_cast<std::size_t>(matrix.columns) + 1 || begin.front() != 0 || begin.back() != entries ||
@@ -91,6 +93,7 @@ SparseMatrix from_triplets(int rows, int columns, std::span<const Triplet> tripl
 }
 
 SparseMatrix transpose(const SparseMatrix& matrix) {
+  check_columns(matrix);
   SparseMatrix result{matrix.columns, matrix.rows, std::vector<std::int64_t>(static_cast<std::size_t>(matrix.rows) + 1, 0),
                       std::vector<int>(matrix.row.size()), std::vector<double>(matrix.value.size())};
   for (const int i : matrix.row) ++result.begin[i + 1];

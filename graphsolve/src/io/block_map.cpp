@@ -10,7 +10,7 @@
 
 #include "graph/block_pattern.hpp"
 #include "graphsolve/io/json_lines.hpp"
-#include "graphsolve/io/matrix_market.hpp"
+#include "graphsolve/io/text_file.hpp"
 
 namespace graphsolve::io {
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "graphsolve/io/text_file.hpp"
 #include "io/matrix_market_lines.hpp"
 
 namespace graphsolve::io {

@@ -1,3 +1,5 @@
+#include "graphsolve/io/text_file.hpp"
+
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -5,7 +7,6 @@
 #include <filesystem>
 #include <memory>
 
-#include "graphsolve/io/matrix_market.hpp"
 #include "graphsolve/io/output_file.hpp"
 
 namespace graphsolve::io {

@@ -7,6 +7,7 @@
 #include "graphsolve/ordering.hpp"
 #include "ordering/ordering_held.hpp"
 #include "ordering/ordering_segments.hpp"
+#include "ordering/ordering_wide.hpp"
 #include "ordering/quotient_graph.hpp"
 
 namespace graphsolve {
@@ -23,12 +24,16 @@ class Wide {
  public:
   explicit Wide(const BlockGraph& graph)
       : graph_(graph), rule_(graph), rest_(graph), segments_(graph.size()), components_(connected_components(graph)),
-        costless_(components_.count, 0), blocked_(graph.size(), 0), seen_(graph.size(), 0) {
+        costless_(components_.count, 0), guests_(graph.size(), 0), blocked_(graph.size(), 0), seen_(graph.size(), 0),
+        left_(graph.size()) {
     for (int i = 0; i < graph.size(); ++i) {
+      for (const auto& edge : graph.edges({i})) guests_[i] += graph.kind(edge.to) == NodeKind::saddle;
       if (graph.kind({i}) == NodeKind::semidefinite) costless_[components_.of_node[i]] = 1;
       if (rule_.eligible({i})) waiting_.push_back({i});
     }
   }
+
+  [[nodiscard]] std::int64_t walked() const { return rest_.walked(); }
 
   Ordering run() {
     Ordering result{.method = OrderingMethod::wide};
@@ -68,12 +73,12 @@ class Wide {
   };
 
   void score(Waiting& w) {
-    w.narrow = 0;
+    w.narrow = false;
     w.rows = last;
     if (wasteful(w.node)) return;
-    rest_.neighbours(w.node, graph_.size(), around_);
-    w.narrow = around_.size() <= narrow ? 1 : 0;
-    w.rows = rows(around_);
+    rest_.neighbours(w.node, narrow, around_);  // no more than it takes to see that it is not
+    w.narrow = around_.size() <= narrow;
+    w.rows = w.narrow ? rows(around_) : static_cast<int>(rest_.rows_around(w.node));
   }
 
   [[nodiscard]] int rows(std::span<const int> nodes) const {
@@ -86,11 +91,7 @@ class Wide {
   /// host wait for all their hosts, among them perhaps costless ones, which wait in turn for their guests: such a host
   /// had better serve a single guest, or all may come to wait for each other.
   [[nodiscard]] bool wasteful(int node) const {
-    if (graph_.kind({node}) != NodeKind::regular || !costless_[components_.of_node[node]]) return false;
-    int guests = 0;
-    for (const auto& edge : graph_.edges({node}))
-      guests += graph_.kind(edge.to) == NodeKind::saddle && rest_.alive(edge.to.index);
-    return guests > 1;
+    return graph_.kind({node}) == NodeKind::regular && costless_[components_.of_node[node]] && guests_[node] > 1;
   }
 
   /// The narrow nodes, and of the others those at most twice as large as the smallest; no more than it takes to have
@@ -122,7 +123,13 @@ class Wide {
     round_.clear();
     // Along a path greedy picking then takes every second node.
     const auto key = [&](const Waiting& w) { return std::pair(w.rows, segments_.rank(w.node)); };
-    std::sort(candidates_.begin(), candidates_.end(), [&](const Waiting& a, const Waiting& b) { return key(a) < key(b); });
+    const auto before = [&](const Waiting& a, const Waiting& b) { return key(a) < key(b); };
+    if (complete_) {  // the first one blocks all others
+      std::erase_if(candidates_, [&](const Waiting& w) { return segments_.waits(w.node); });
+      std::swap(candidates_.front(), *std::min_element(candidates_.begin(), candidates_.end(), before));
+      candidates_.resize(1);
+    }
+    std::sort(candidates_.begin(), candidates_.end(), before);
     for (const Waiting& w : candidates_) {
       const int node = w.node;
       if (blocked_[node] == stamp_ || segments_.waits(node)) continue;
@@ -137,6 +144,9 @@ class Wide {
   void eliminate(int node) {
     segments_.eliminate(node);
     const auto clique = rest_.eliminate(node);
+    complete_ = static_cast<int>(clique.size()) == --left_;
+    if (graph_.kind({node}) == NodeKind::saddle)
+      for (const auto& edge : graph_.edges({node})) --guests_[edge.to.index];
     touched_.insert(touched_.end(), clique.begin(), clique.end());
     freed_.clear();
     rule_.eliminate({node}, freed_);
@@ -173,22 +183,28 @@ class Wide {
   Segments segments_;
   Components components_;
   std::vector<char> costless_;  ///< per component: are there semidefinite nodes?
+  std::vector<int> guests_;       ///< saddle neighbours that are left
   std::vector<Waiting> waiting_;  ///< all nodes that may come next
   std::vector<Waiting> candidates_;
   std::vector<Pick> round_;
   std::vector<int> blocked_;  ///< last round in which a neighbour was picked
   std::vector<int> seen_;     ///< last round that touched it
   int stamp_ = 0;
+  int left_;               ///< nodes
+  bool complete_ = false;  ///< is each of them coupled with each?
   std::vector<int> touched_, around_, narrow_;
   std::vector<NodeId> freed_;
 };
 
 }  // namespace
 
-Ordering wide_ordering(const BlockGraph& graph) {
-  Ordering result = Wide(graph).run();
-  hold_networks_early(graph, result);
+CountedOrdering counted_wide_ordering(const BlockGraph& graph) {
+  Wide wide(graph);
+  CountedOrdering result{wide.run(), wide.walked()};
+  hold_networks_early(graph, result.ordering);
   return result;
 }
+
+Ordering wide_ordering(const BlockGraph& graph) { return counted_wide_ordering(graph).ordering; }
 
 }  // namespace graphsolve

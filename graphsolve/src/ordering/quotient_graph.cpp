@@ -31,11 +31,7 @@ QuotientGraph::QuotientGraph(const BlockGraph& graph) : nodes_(graph.size()), ma
     std::transform(graph.edges({i}).begin(), graph.edges({i}).end(), list.begin(),
                    [](const BlockGraph::Edge& edge) { return edge.to.index; });
     std::sort(list.begin(), list.end());
-    for (const int j : list) {
-      const std::int64_t d = nodes_[j].dimension;
-      node.sum += d;
-      node.squares += d * d;
-    }
+    for (const int j : list) node.sum += nodes_[j].dimension;
   }
 }
 
@@ -96,9 +92,7 @@ void QuotientGraph::prune(Node& node) {
   }
   for (int& entry : variables(node)) {
     if (entry < 0 || mark_[entry] != stamp_) continue;
-    const std::int64_t d = nodes_[entry].dimension;
-    node.sum -= d;
-    node.squares -= d * d;
+    node.sum -= nodes_[entry].dimension;
     ++node.variables_gone;
     entry = ~entry;
   }
@@ -109,9 +103,7 @@ void QuotientGraph::remove_variable(Node& node, int other) {
   const auto list = variables(node);
   const auto found = std::lower_bound(list.begin(), list.end(), other, before);
   if (found == list.end() || *found != other) return;
-  const std::int64_t d = nodes_[other].dimension;
-  node.sum -= d;
-  node.squares -= d * d;
+  node.sum -= nodes_[other].dimension;
   ++node.variables_gone;
   *found = ~other;
 }
@@ -157,6 +149,7 @@ void QuotientGraph::store_clique() {
 /// How much of every element around lies outside the newest clique; drops those of which nothing does.
 void QuotientGraph::measure_overlaps() {
   const int newest = static_cast<int>(elements_.size()) - 1;
+  const bool all = std::ranges::none_of(clique_, [&](int i) { return nodes_[i].elements > long_list; });
   scratch_.clear();
   for (const int i : clique_) {
     const Node& node = nodes_[i];
@@ -166,6 +159,7 @@ void QuotientGraph::measure_overlaps() {
       if (e == newest || element.size == 0) continue;
       if (element.seen != newest) {
         element.seen = newest;
+        element.compared = all ? newest : -1;
         element.outside = element.weight;
       }
       element.outside -= node.dimension;
@@ -180,6 +174,7 @@ void QuotientGraph::neighbours(int index, std::size_t limit, std::vector<int>& o
   mark_[index] = ++stamp_;
   const Node& node = nodes_[index];
   for (const int i : variables(node)) {
+    ++walked_;
     if (i < 0) continue;
     mark_[i] = stamp_;
     out.push_back(i);
@@ -187,6 +182,7 @@ void QuotientGraph::neighbours(int index, std::size_t limit, std::vector<int>& o
   }
   for (const int e : elements(node))
     for (const int i : members(elements_[e])) {
+      ++walked_;
       if (mark_[i] == stamp_) continue;
       mark_[i] = stamp_;
       out.push_back(i);
@@ -194,55 +190,29 @@ void QuotientGraph::neighbours(int index, std::size_t limit, std::vector<int>& o
     }
 }
 
-bool QuotientGraph::coupled(int a, int b) const {
-  const Node *x = &nodes_[a], *y = &nodes_[b];
-  if (x->variables > y->variables) {
-    std::swap(x, y);
-    std::swap(a, b);
-  }
-  const int* end = lists_.data() + x->end;
-  const int* begin = end - x->variables;
-  const int* found = std::lower_bound(begin, end, b, before);
-  if (found != end && *found == b) return true;
-  if (x->elements > y->elements) std::swap(x, y);
-  const auto longer = elements(*y);
-  for (const int e : elements(*x))
-    if (elements_[e].size > 0 && std::binary_search(longer.begin(), longer.end(), e)) return true;
-  return false;
-}
-
-std::int64_t QuotientGraph::fill(int index) {
+/// Variables are in no element of the node, and whoever is eliminated takes its elements along: weights are those of nodes
+/// that are left. Only where several elements meet must their members be walked.
+std::int64_t QuotientGraph::rows_around(int index) {
   const Node& node = nodes_[index];
-  if (node.variables - node.variables_gone <= static_cast<int>(exact_degree)) {
-    neighbours(index, exact_degree, scratch_);
-    if (scratch_.size() <= exact_degree) {
-      std::int64_t result = 0;
-      for (std::size_t a = 0; a < scratch_.size(); ++a)
-        for (std::size_t b = a + 1; b < scratch_.size(); ++b)
-          if (!coupled(scratch_[a], scratch_[b]))
-            result += std::int64_t{1} * nodes_[scratch_[a]].dimension * nodes_[scratch_[b]].dimension;
-      return result;
-    }
+  const Element* found[2] = {};
+  int newer = 0, count = 0;
+  for (const int e : elements(node)) {
+    if (elements_[e].size == 0) continue;
+    if (count == 2) return walk_rows_around(index);
+    found[count++] = &elements_[e];
+    newer = e;
   }
-  return estimated_fill(node);
+  if (count == 0) return node.sum;
+  if (count == 1) return node.sum + found[0]->weight - node.dimension;
+  if (found[0]->compared != newer) return walk_rows_around(index);
+  return node.sum + found[0]->outside + found[1]->weight - node.dimension;
 }
 
-/// The neighbours fall into parts: the newest clique (l), per older element what is outside of it (o), and single
-/// variables. Coupled are the pairs within l, within each o, and between o and what its element shares with l:
-///   ((l + sum o + v)^2 - l^2 - sum o^2 - squares of v) / 2 - sum o (element - o - own dimension).
-std::int64_t QuotientGraph::estimated_fill(const Node& node) const {
-  const int newest = static_cast<int>(elements_.size()) - 1;
-  std::int64_t total = node.sum, coupled = node.squares, between = 0;
-  for (const int e : elements(node)) {
-    const Element& element = elements_[e];
-    if (element.size == 0) continue;
-    const bool compared = element.seen == newest;
-    const std::int64_t o = e == newest || !compared ? element.weight - node.dimension : element.outside;
-    if (compared) between += o * (element.weight - o - node.dimension);
-    total += o;
-    coupled += o * o;
-  }
-  return std::max<std::int64_t>(0, (total * total - coupled) / 2 - between);
+std::int64_t QuotientGraph::walk_rows_around(int index) {
+  neighbours(index, nodes_.size(), scratch_);
+  std::int64_t sum = 0;
+  for (const int i : scratch_) sum += nodes_[i].dimension;
+  return sum;
 }
 
 }  // namespace graphsolve

@@ -29,13 +29,11 @@ class QuotientGraph {
   /// The neighbours of a node, each once, in no order; stops as soon as there are more than `limit`.
   void neighbours(int node, std::size_t limit, std::vector<int>& out);
 
-  /// Are two nodes that are left coupled?
-  [[nodiscard]] bool coupled(int a, int b) const;
+  /// Sum of the dimensions of the neighbours: at once where the node is in two elements at most, as in a complete graph.
+  [[nodiscard]] std::int64_t rows_around(int node);
 
-  /// Scalars of one triangle that elimination of the node would add: exact up to `exact_degree` neighbours. Above, an
-  /// estimate for nodes of the newest clique, from the overlap of their elements with it.
-  [[nodiscard]] std::int64_t fill(int node);
-  static constexpr std::size_t exact_degree = 12;
+  /// Entries of lists that `neighbours` and `rows_around` have looked at: their cost.
+  [[nodiscard]] std::int64_t walked() const { return walked_; }
 
  private:
   struct Node {
@@ -44,14 +42,15 @@ class QuotientGraph {
     int variables = 0, variables_gone = 0;
     int dimension = 0;
     bool alive = true;
-    std::int64_t sum = 0, squares = 0;     ///< of the dimensions of the variables that are left
+    std::int64_t sum = 0;                  ///< of the dimensions of the variables that are left
   };
   struct Element {
     std::int64_t begin = 0;
     int size = 0;             ///< 0: gone
     int seen = -1;            ///< last elimination whose clique it was compared with
     std::int64_t weight = 0;  ///< sum of dimensions
-    std::int64_t outside = 0; ///< of those that are not in the newest clique
+    int compared = -1;        ///< the same where every member of that clique was looked at: `outside` is exact then
+    std::int64_t outside = 0; ///< of those that are not in that clique
   };
 
   [[nodiscard]] std::span<const int> elements(const Node& node) const {
@@ -71,7 +70,7 @@ class QuotientGraph {
   void compact_variables(Node& node);
   void store_clique();
   void measure_overlaps();
-  [[nodiscard]] std::int64_t estimated_fill(const Node& node) const;
+  [[nodiscard]] std::int64_t walk_rows_around(int node);
 
   std::vector<Node> nodes_;
   std::vector<int> lists_;  ///< entries of variables that are gone read ~node
@@ -83,6 +82,7 @@ class QuotientGraph {
   std::vector<int> mark_;
   int stamp_ = 0;
   std::vector<int> scratch_;
+  std::int64_t walked_ = 0;
 };
 
 }  // namespace graphsolve

@@ -21,7 +21,8 @@ struct RobustSolver::Impl {
   Side side;  ///< transposed: this one was made for the transposed solves of another
   Factorization first;
   std::vector<double> values;
-  std::vector<double> factored;  ///< values as they were factored; empty: not yet
+  std::vector<double> factored;  ///< values as they were factored
+  bool ready = false;            ///< were any?
   Factorization::Outcome outcome;
   // Made when needed, dropped when the values change.
   struct Retry {

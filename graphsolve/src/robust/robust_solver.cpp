@@ -62,6 +62,7 @@ void RobustSolver::Impl::factorize() {
   outcome = first.factorize();
   broken = not_finite();
   factored = values;
+  ready = true;
 }
 
 /// The solver of A^T, with its numbers.
@@ -181,7 +182,7 @@ RobustSolver::Report RobustSolver::Impl::solve_checked(std::span<const double> b
   if (b.size() != expected || x.size() != expected)
     throw std::invalid_argument("b has " + std::to_string(b.size()) + " numbers and x " + std::to_string(x.size()) +
                                 ", expected " + std::to_string(expected) + " in each");
-  if (factored != values) factorize();
+  if (!ready || factored != values) factorize();
   return solve({b, x, columns, rows()}, of);
 }
 

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "graphsolve/io/matrix_market.hpp"
+#include "graphsolve/io/text_file.hpp"
 #include "io/read.hpp"
 #include "physics/scene_io.hpp"
 

@@ -56,10 +56,4 @@ std::string matrix_market(const SparseMatrix& matrix, const WriteOptions& option
 /// An array file; values are column-major, as many as a multiple of `rows`.
 std::string matrix_market(std::span<const double> values, int rows, std::string_view comment = {});
 
-/// Writes text beside the file and renames it when complete: the file is never half written. Throws FileError.
-void write_text(std::string_view text, const std::string& path);
-/// Throws FileError when the file cannot be read, is no text (a zero byte), has a line that goes on and on (longest_line
-/// characters pass, twice as many may not), or is no ordinary file and longer than 2^30 bytes.
-std::string read_text(const std::string& path, std::size_t longest_line = std::string::npos);
-
 }  // namespace graphsolve::io
