@@ -21,8 +21,8 @@ namespace graphsolve {
 
 /// What a factorization is made of, from room.cpp, which sets memory aside, over zero.cpp, before the first pivot, to
 /// steps.cpp, which goes along the program: packs, and pivots by themselves (pivots.cpp, symmetric.cpp, update.cpp, group.cpp;
-/// again.cpp for some of them once more). Then solve.cpp, dependency.cpp. Who takes part, what pivots are compared with, and
-/// refinement are objects of their own.
+/// again.cpp for some of them once more). Then solve.cpp, dependency.cpp. Who takes part, what has become of every component
+/// (Standing), what pivots are compared with, and refinement are objects of their own; thresholds.hpp says what decides.
 class Factorization::Impl {
  public:
   Impl(std::shared_ptr<const Symbolic> symbolic, FactorizationKind kind);
