@@ -100,6 +100,37 @@ TEST(MergedBodies, TumblingOnTheGroundPassTheCertificate) {
   EXPECT_LE(all.residual(), 1e-8) << all;
 }
 
+/// What fixed joints hold together no other joint can close.
+TEST(MergedBodies, AJointThatTheirsLeaveOpenIsRefusedByName) {
+  const auto sentence = [](JointType type, const Vec3& point, const Quat& orientation) -> std::string {
+    Mechanism scene = welded(false);
+    Joint joint;
+    joint.name = "across";
+    joint.type = type;
+    joint.parent = scene.joints[0].parent;
+    joint.child = scene.joints[0].child;
+    joint.parent_point = scene.joints[0].parent_point + point;
+    joint.child_point = scene.joints[0].child_point;
+    joint.orientation = scene.joints[0].orientation * orientation;
+    joint.axis = Vec3::UnitZ();
+    scene.add(joint);
+    try {
+      const Simulator simulator(scene);
+    } catch (const DescriptionError& error) {
+      return error.what();
+    }
+    return "taken";
+  };
+  const Quat none = Quat::Identity(), turned(Eigen::AngleAxisd(0.1, Vec3::UnitX()));
+  EXPECT_EQ(sentence(JointType::fixed, Vec3::Zero(), none), "taken");
+  EXPECT_EQ(sentence(JointType::spherical, Vec3::Zero(), none), "taken");
+  EXPECT_EQ(sentence(JointType::prismatic, {0, 0, 3}, none), "taken");
+  for (const JointType type : {JointType::fixed, JointType::spherical, JointType::revolute})
+    EXPECT_EQ(sentence(type, {0, 0, 3}, none), "joint 'across': its points are 3 m apart, and fixed joints hold its bodies together");
+  EXPECT_EQ(sentence(JointType::fixed, Vec3::Zero(), turned),
+            "joint 'across': its bodies are 0.1 rad off its orientation, and other fixed joints hold them together");
+}
+
 TEST(MergedBodies, ASceneWhereNothingMovesIsStepped) {
   Mechanism empty;
   empty.time_step = 0.01;

@@ -14,6 +14,9 @@ struct InteriorPointSettings {
   double tolerance = 1e-8;       ///< natural residual, in the units that the row scales make
   double largest_product = 1e-15;  ///< s z / scale of every pair at the end (its creep times its reserve)
   int max_iterations = 60;       ///< per attempt
+  /// Part of the tolerance up to which the start of a component without active ports is its solution, without an iteration.
+  /// What a start misses is lost: where one solve begins at the end of the one before, it adds up.
+  double start_part = 1;
 };
 
 /// Outcome for one connected component of the graph.

@@ -111,6 +111,12 @@ class InteriorPoint::Impl {
   [[nodiscard]] double tolerance(int component) const {
     return noise_.empty() ? settings_.tolerance : std::max(settings_.tolerance, noise_[component]);
   }
+  /// Where no step was taken yet.
+  [[nodiscard]] double start_tolerance(int component) const {
+    if (degree_[component] > 0) return tolerance(component);  // a barrier is more than a small part
+    const double part = settings_.start_part * settings_.tolerance;
+    return noise_.empty() ? part : std::max(part, noise_[component]);
+  }
   /// The lowest barrier: however loose the tolerance, pairs that reach it have a product that ends a solve.
   [[nodiscard]] double mu_floor(int component) const {
     const double least = 0.01 * settings_.tolerance;

@@ -66,7 +66,8 @@ void InteriorPoint::Impl::judge_component(int c) {
     end(c);
     return;
   }
-  if (error_[c] <= tolerance(c) && product_[c] <= settings_.largest_product * scale_[c]) {
+  const double enough = course.iterations == 0 ? start_tolerance(c) : tolerance(c);
+  if (error_[c] <= enough && product_[c] <= settings_.largest_product * scale_[c]) {
     end(c);
     return;
   }

@@ -25,6 +25,7 @@ void check(const InteriorPointSettings& settings) {
   };
   positive(settings.tolerance, "tolerance");
   positive(settings.largest_product, "largest_product");
+  positive(settings.start_part, "start_part");
   if (settings.max_iterations < 1)
     throw std::invalid_argument("interior point: max_iterations is " + std::to_string(settings.max_iterations) +
                                 ", and must be at least 1");

@@ -1,6 +1,10 @@
 #include "mechanism/assembly.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
+
+#include "mechanism/start_pose.hpp"
 
 namespace physics {
 
@@ -95,6 +99,20 @@ RigidBody compose(const Mechanism& mechanism, const std::vector<int>& members, s
   return body;
 }
 
+/// Of a joint whose bodies fixed joints hold together: it must be closed where they are, for nothing will close it.
+void check_held(const Joint& joint, const Placement& a, const Placement& b) {
+  Vec3 gap = b.offset + b.rotation * joint.child_point - a.offset - a.rotation * joint.parent_point;
+  const Vec3 axis = a.rotation * joint.axis.normalized();
+  if (joint.type == JointType::prismatic) gap -= axis * axis.dot(gap);
+  if (gap.norm() > largest_start_error)
+    throw DescriptionError(fmt::format("joint '{}': its points are {:.3g} m apart, and fixed joints hold its bodies together",
+                                       joint.name, gap.norm()));
+  const double angle = joint.type == JointType::fixed ? b.rotation.angularDistance(a.rotation * joint.orientation) : 0;
+  if (angle > largest_start_error)
+    throw DescriptionError(fmt::format("joint '{}': its bodies are {:.3g} rad off its orientation, and other fixed joints "
+                                       "hold them together", joint.name, angle));
+}
+
 }  // namespace
 
 Assembly assemble(const Mechanism& mechanism, bool merge_fixed_joints) {
@@ -104,10 +122,12 @@ Assembly assemble(const Mechanism& mechanism, bool merge_fixed_joints) {
   result.placement = std::move(groups.placement);
   for (int j = 0; j < static_cast<int>(mechanism.joints.size()); ++j) {
     const Joint& joint = mechanism.joints[j];
-    if (joint.type == JointType::fixed && merge_fixed_joints) continue;
     const Placement a = joint.parent.is_world() ? Placement{} : result.placement[joint.parent.index];
     const Placement& b = result.placement[joint.child.index];
-    if (a.body == b.body) continue;  // both sides hang together already
+    if (a.body == b.body) {  // both sides hang together already
+      check_held(joint, a, b);
+      continue;
+    }
     result.joints.push_back({.source = j,
                              .type = joint.type,
                              .parent = a.body,

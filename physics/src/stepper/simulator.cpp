@@ -54,7 +54,9 @@ void check_joint(const StepRecord& record, const Joint& joint, const JointRecord
 }
 
 void check_record(const Mechanism& mechanism, const StepRecord& record) {
-  if (record.step < 0) throw DescriptionError(fmt::format("record {}: a step has a number >= 0", record.step));
+  constexpr int last = 1 << 30;  // from where a billion steps more have numbers
+  if (record.step < 0 || record.step > last)
+    throw DescriptionError(fmt::format("record {}: a step has a number from 0 to {}", record.step, last));
   if (!std::isfinite(record.time))
     throw DescriptionError(fmt::format("record {}: its time is not finite", record.step));
   if (record.bodies.size() != mechanism.bodies.size())

@@ -55,6 +55,10 @@ double loosest_tolerance(const Mechanism& mechanism) {
   return gained > 0 ? part * gained : std::numeric_limits<double>::infinity();
 }
 
+/// What a step that ends where it begins lacks is lost, and steps add up: a force that changes velocities by less than the
+/// tolerance in each would do nothing at all. One iteration leaves the square of that.
+constexpr double start_part = 1e-3;
+
 const Motor* motor_of(const Mechanism& mechanism, const JointGeometry& geometry) {
   const auto& motor = mechanism.joints[geometry.source].motor;
   return motor && (motor->stiffness > 0 || motor->damping > 0) ? &*motor : nullptr;
@@ -158,7 +162,7 @@ void Stepper::make_solver(const Assembly& assembly, const Stepper* same) {
   for (auto* list : {&going_, &solving_, &solved_}) list->reserve(lanes.size());
   components_.reserve(symbolic->components());
   solver = std::make_unique<graphsolve::InteriorPoint>(
-      *problem, plan, graphsolve::InteriorPointSettings{.tolerance = settings.tolerance});
+      *problem, plan, graphsolve::InteriorPointSettings{.tolerance = settings.tolerance, .start_part = start_part});
   if (settings.time_phases) solver->set_profile(&profile);
 }
 
