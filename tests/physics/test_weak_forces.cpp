@@ -76,16 +76,4 @@ TEST(WeakForces, KeepTheAngularMomentumOfASlowTop) {
   EXPECT_LE((simulator.angular_momentum() - before).norm(), 1e-4 * before.norm());
 }
 
-TEST(WeakForces, ARecordWithoutRoomForStepsAfterItIsRefused) {
-  Simulator simulator(one_body(1, {1, 1, 1}, 1e-3));
-  StepRecord record;
-  simulator.write_record(record);
-  record.step = std::numeric_limits<int>::max();
-  EXPECT_THROW(simulator.restart_from(record), DescriptionError);
-  record.step = 1 << 30;
-  simulator.restart_from(record);
-  EXPECT_TRUE(simulator.step().ok());
-  EXPECT_EQ(simulator.step_index(), (1 << 30) + 1);
-}
-
 }  // namespace test_weak_forces

@@ -104,12 +104,14 @@ class Worker {
     result.smallest_distance = batch_.smallest_distance(lane);
     if (result.smallest_distance < -inside_a_plane) name_deepest(lane, result);
   }
+  /// That which the smallest distance is of: contacts of bodies that cannot move are in the record too, and not in it.
   void name_deepest(int lane, CopyResult& result) const {
     StepRecord record;
     batch_.write_record(lane, record);
-    const auto deepest = std::ranges::min_element(record.contacts, {}, &ContactRecord::distance);
+    const auto deepest = std::ranges::min_element(
+        record.contacts, {}, [&](const ContactRecord& contact) { return std::abs(contact.distance - result.smallest_distance); });
     result.start_contact = static_cast<int>(deepest - record.contacts.begin());
-    result.start_depth = -deepest->distance;
+    result.start_depth = -result.smallest_distance;
   }
   void take(int lane) {
     CopyResult& result = *results_[lane];

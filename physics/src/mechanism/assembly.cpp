@@ -101,12 +101,10 @@ RigidBody compose(const Mechanism& mechanism, const std::vector<int>& members, s
 
 /// Of a joint whose bodies fixed joints hold together: it must be closed where they are, for nothing will close it.
 void check_held(const Joint& joint, const Placement& a, const Placement& b) {
-  Vec3 gap = b.offset + b.rotation * joint.child_point - a.offset - a.rotation * joint.parent_point;
-  const Vec3 axis = a.rotation * joint.axis.normalized();
-  if (joint.type == JointType::prismatic) gap -= axis * axis.dot(gap);
-  if (gap.norm() > largest_start_error)
+  const double apart = gap(joint, {a.offset, a.rotation}, {b.offset, b.rotation});
+  if (apart > largest_start_error)
     throw DescriptionError(fmt::format("joint '{}': its points are {:.3g} m apart, and fixed joints hold its bodies together",
-                                       joint.name, gap.norm()));
+                                       joint.name, apart));
   const double angle = joint.type == JointType::fixed ? b.rotation.angularDistance(a.rotation * joint.orientation) : 0;
   if (angle > largest_start_error)
     throw DescriptionError(fmt::format("joint '{}': its bodies are {:.3g} rad off its orientation, and other fixed joints "

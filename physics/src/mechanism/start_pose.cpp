@@ -10,17 +10,18 @@ RigidMotion start_motion(const Mechanism& mechanism, BodyId body) {
   return {b.position, b.velocity, b.orientation * b.angular_velocity};
 }
 
+double gap(const Joint& joint, const Frame& parent, const Frame& child) {
+  const Vec3 apart = child.position + child.orientation * joint.child_point - parent.position - parent.orientation * joint.parent_point;
+  if (joint.type != JointType::prismatic) return apart.norm();
+  const Vec3 axis = parent.orientation * joint.axis.normalized();
+  return (apart - axis * axis.dot(apart)).norm();
+}
+
 double start_gap(const Mechanism& mechanism, const Joint& joint) {
-  const auto point = [&](BodyId id, const Vec3& local) {
-    if (id.is_world()) return local;
-    const Body& body = mechanism.bodies[id.index];
-    return Vec3(body.position + body.orientation * local);
+  const auto frame = [&](BodyId id) {
+    return id.is_world() ? Frame{} : Frame{mechanism.bodies[id.index].position, mechanism.bodies[id.index].orientation};
   };
-  Vec3 gap = point(joint.child, joint.child_point) - point(joint.parent, joint.parent_point);
-  if (joint.type != JointType::prismatic) return gap.norm();
-  Vec3 axis = joint.axis.normalized();
-  if (!joint.parent.is_world()) axis = mechanism.bodies[joint.parent.index].orientation * axis;
-  return (gap - axis * axis.dot(gap)).norm();
+  return gap(joint, frame(joint.parent), frame(joint.child));
 }
 
 bool Side::has(BodyId body) const {

@@ -24,7 +24,15 @@ struct Side {
 };
 Side side_of(const Mechanism& mechanism, BodyId body, int without_joint);
 
-/// How far apart the points of a joint start, but for the travel of a prismatic one [m].
+/// Where a body lies; by default the world.
+struct Frame {
+  Vec3 position = Vec3::Zero();
+  Quat orientation = Quat::Identity();
+};
+
+/// How far apart the points of a joint are where its parent and child lie, but for the travel of a prismatic one [m].
+double gap(const Joint& joint, const Frame& parent, const Frame& child);
+/// The same at the start.
 double start_gap(const Mechanism& mechanism, const Joint& joint);
 /// A start that is further open is a wrong description [m, rad].
 inline constexpr double largest_start_error = 1e-5;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "mechanism/start_pose.hpp"
 #include "stepper/stepper.hpp"
 
 namespace physics {
@@ -53,7 +54,20 @@ void check_joint(const StepRecord& record, const Joint& joint, const JointRecord
   check("effort", j.effort);
 }
 
-void check_record(const Mechanism& mechanism, const StepRecord& record) {
+/// A record that a run has written has closed joints.
+void check_closed(const Mechanism& mechanism, const StepRecord& record) {
+  const auto frame = [&](BodyId id) {
+    return id.is_world() ? Frame{} : Frame{record.bodies[id.index].position, record.bodies[id.index].orientation};
+  };
+  for (const Joint& joint : mechanism.joints) {
+    const Frame parent = frame(joint.parent), child = frame(joint.child);
+    const double rounding = 1e-14 * std::max(parent.position.norm(), child.position.norm());
+    if (const double apart = gap(joint, parent, child); apart > largest_start_error + rounding)
+      throw DescriptionError(fmt::format("record {}: the points of joint '{}' are {:.3g} m apart", record.step, joint.name, apart));
+  }
+}
+
+void check_record(const Mechanism& mechanism, const StepRecord& record, double time_step) {
   constexpr int last = 1 << 30;  // from where a billion steps more have numbers
   if (record.step < 0 || record.step > last)
     throw DescriptionError(fmt::format("record {}: a step has a number from 0 to {}", record.step, last));
@@ -68,7 +82,11 @@ void check_record(const Mechanism& mechanism, const StepRecord& record) {
     if (!finite || !(std::abs(body.orientation.norm() - 1) < 1e-6))
       throw DescriptionError(fmt::format("record {}: body '{}' has a value that is not finite or a quaternion that is "
                                          "not a unit one", record.step, mechanism.bodies[k].name));
+    if (const double turn = body.angular_velocity.norm() * time_step; !(turn < Bodies::largest_turn))
+      throw DescriptionError(fmt::format("record {}: body '{}' spins too fast: |w| dt = {:.3g} must be < {}", record.step,
+                                         mechanism.bodies[k].name, turn, Bodies::largest_turn));
   }
+  check_closed(mechanism, record);
   for (std::size_t k = 0; record.joints.size() == mechanism.joints.size() && k < record.joints.size(); ++k)
     check_joint(record, mechanism.joints[k], record.joints[k]);
   if (record.contacts.size() != mechanism.contacts.size()) return;
@@ -92,8 +110,8 @@ StepResult Simulator::step() {
 void Simulator::restart_from(const StepRecord& record) {
   Impl& s = *impl_;
   Lane& lane = s.lanes[only];
-  check_record(lane.mechanism, record);
   const int substeps = record.solver ? std::max(1, record.solver->substeps) : 1;
+  check_record(lane.mechanism, record, s.dt / substeps);
   s.set_state(only, record.bodies, {.time_step = s.dt / substeps});
   s.contacts->set(only, lane.mechanism, s.assembly(only));  // bases of the scene, where the record has none
   // Forces of the record make the start warm and keep the friction basis; a start without them is only colder.
