@@ -133,11 +133,13 @@ class Writer {
       for (int i = 0; i < block.rows(); ++i) entries_.emplace_back(row + i, column + j, block(i, j));
   }
 
+  /// Of a product that is symmetric but for rounding.
+  static Eigen::MatrixXd lower_twice(const Eigen::MatrixXd& product) { return product.selfadjointView<Eigen::Lower>(); }
+
   void write_regular(int a) {
     const int d = graph_.dimension({a}), row = graph_.row({a});
     const Eigen::MatrixXd m = normal(d, d);
-    const Eigen::MatrixXd square = m * m.transpose();  // whose triangles may differ by rounding
-    Eigen::MatrixXd h = square.selfadjointView<Eigen::Lower>();
+    Eigen::MatrixXd h = lower_twice(m * m.transpose());
     h += 0.5 * Eigen::MatrixXd::Identity(d, d);
     if (spec_.values == Values::unsymmetric) h += 0.3 * (m - m.transpose());
     put(row, row, scale_[a] * h);
@@ -148,7 +150,7 @@ class Writer {
       const int db = graph_.dimension({b});
       const double size = std::min(scale_[a], scale_[b]);
       const Eigen::MatrixXd x = normal(d, db);
-      put(row, row, size * x * x.transpose());
+      put(row, row, lower_twice(size * x * x.transpose()));
       put(row, graph_.row({b}), size * x);
       put(graph_.row({b}), row, size * x.transpose());
       put(graph_.row({b}), graph_.row({b}), size * Eigen::MatrixXd::Identity(db, db));
