@@ -23,10 +23,9 @@ struct InteriorPointSettings {
 struct ComponentReport {
   Status status = Status::solved;
   int iterations = 0;      ///< factorizations, all attempts
-  int attempts = 1;        ///< 1: warm start; 2, 3: cold starts; 4: frozen couplings first; then cold, at
-                           ///< the size of the residual that the start or the second attempt's showed, where that is
-                           ///< larger; last in the unit
-                           ///< of the rows (one over their scale), where it is 100 times that of the laws
+  int attempts = 1;        ///< 1: warm start; 2, 3: cold starts; 4: frozen couplings first; then cold, at the size of
+                           ///< the residual that the start or the second attempt's showed, where that is larger; last in
+                           ///< the unit of the rows (one over their scale), where it is 100 times that of the laws
   double residual = 0;     ///< natural residual at the end
   // Where an unsolved component is worst: rows of a node, or an instance of a port batch.
   NodeId worst_node;       ///< index -1: it is a port

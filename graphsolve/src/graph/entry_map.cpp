@@ -6,6 +6,7 @@
 
 #include "graphsolve/factorization.hpp"
 #include "simd/program.hpp"
+#include "symbolic/same_nodes.hpp"
 
 namespace graphsolve {
 
@@ -17,14 +18,7 @@ void check_structure(const BlockStructure& structure, const Symbolic& symbolic) 
   if (structure.row_of.size() != static_cast<std::size_t>(rows) ||
       std::ranges::any_of(structure.row_of, [&](int row) { return row < 0 || row >= rows; }))
     throw std::invalid_argument("the rows of the block structure are not those of its graph, which has " + std::to_string(rows));
-  if (symbolic.rows() != rows || symbolic.pivots() != graph.size())
-    throw std::invalid_argument("a plan of " + std::to_string(symbolic.pivots()) + " blocks and " + std::to_string(symbolic.rows()) +
-                                " rows for a graph of " + std::to_string(graph.size()) + " blocks and " + std::to_string(rows) + " rows");
-  for (int v = 0; v < graph.size(); ++v)
-    if (symbolic.dimension(symbolic.position({v})) != graph.dimension({v}))
-      throw std::invalid_argument("a plan for another graph: block '" + std::string(graph.name({v})) + "' has " +
-                                  std::to_string(symbolic.dimension(symbolic.position({v}))) + " rows there, not " +
-                                  std::to_string(graph.dimension({v})));
+  check_same_nodes(symbolic, graph, "entry map");
 }
 
 }  // namespace

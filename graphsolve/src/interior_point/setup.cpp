@@ -7,6 +7,7 @@
 #include <string>
 
 #include "interior_point/impl.hpp"
+#include "symbolic/same_nodes.hpp"
 #include "simd/vector_kernels.hpp"
 
 /// What is made once, lists of instances by component, and what every solve begins with. The loop itself is in
@@ -31,18 +32,6 @@ void check(const InteriorPointSettings& settings) {
                                 ", and must be at least 1");
 }
 
-void check_same_nodes(const Symbolic& symbolic, const BlockGraph& graph) {
-  if (symbolic.pivots() != graph.size() || symbolic.rows() != graph.rows())
-    throw std::invalid_argument("interior point: the problem has " + std::to_string(graph.size()) + " nodes of " +
-                                std::to_string(graph.rows()) + " rows, the elimination " +
-                                std::to_string(symbolic.pivots()) + " of " + std::to_string(symbolic.rows()));
-  for (int k = 0; k < symbolic.pivots(); ++k)
-    if (const NodeId node = symbolic.node(k); symbolic.dimension(k) != graph.dimension(node))
-      throw std::invalid_argument("interior point: node '" + std::string(graph.name(node)) + "' has " +
-                                  std::to_string(graph.dimension(node)) + " rows, in the elimination " +
-                                  std::to_string(symbolic.dimension(k)));
-}
-
 std::int64_t count_instances(const Problem& problem) {
   std::int64_t count = 0;
   for (const Term* term : problem.terms()) count += term->size();
@@ -56,7 +45,7 @@ InteriorPoint::Impl::Impl(Problem& problem, std::shared_ptr<const Symbolic> symb
     : problem_(problem), settings_(settings), factorization_(std::move(symbolic)) {
   check(settings);
   const Symbolic& s = factorization_.symbolic();
-  check_same_nodes(s, problem_.graph());
+  check_same_nodes(s, problem_.graph(), "interior point");
   wiring_ = problem_.take_wiring();  // from here on nobody else may use the terms
   std::vector<BlockHandle> claims;
   const Wiring wiring(s, problem_.graph(), &claims);

@@ -7,6 +7,7 @@
 #include "factorization/kept_matrix.hpp"
 #include "graph/structural_rank.hpp"
 #include "robust/near_null.hpp"
+#include "symbolic/same_nodes.hpp"
 
 namespace graphsolve {
 
@@ -84,9 +85,7 @@ void find_zero_rows(const BlockGraph& graph, const Eigen::SparseMatrix<double>& 
 
 Diagnosis diagnose(const BlockGraph& graph, const Factorization& f, const Factorization::Outcome& outcome) {
   if (f.matrix().empty()) throw std::invalid_argument("diagnose: the factorization did not keep its matrix");
-  if (graph.rows() != f.symbolic().rows() || graph.size() != f.symbolic().pivots())
-    throw std::invalid_argument("diagnose: a graph of " + std::to_string(graph.rows()) + " rows for a factorization of " +
-                                std::to_string(f.symbolic().rows()));
+  check_same_nodes(f.symbolic(), graph, "diagnose");
   Diagnosis result;
   result.rows = graph.rows();
   result.not_finite = find_not_finite(graph, f);

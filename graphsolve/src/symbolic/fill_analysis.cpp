@@ -9,6 +9,7 @@
 
 #include "graph/biconnected.hpp"
 #include "symbolic/edge_saving.hpp"
+#include "symbolic/same_nodes.hpp"
 #include "symbolic/operations.hpp"
 
 namespace graphsolve {
@@ -83,10 +84,7 @@ void sort_causes(FillAnalysis& analysis) {
 }  // namespace
 
 FillAnalysis analyze_fill(const BlockGraph& graph, const Symbolic& symbolic) {
-  if (graph.size() != symbolic.pivots() || graph.rows() != symbolic.rows())
-    throw std::invalid_argument("fill analysis: the graph has " + std::to_string(graph.size()) + " nodes of " +
-                                std::to_string(graph.rows()) + " rows, the elimination " +
-                                std::to_string(symbolic.pivots()) + " of " + std::to_string(symbolic.rows()));
+  check_same_nodes(symbolic, graph, "fill analysis");
   const Biconnected biconnected(graph);
   FillAnalysis result;
   result.counts = symbolic.counts();
