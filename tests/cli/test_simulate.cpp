@@ -148,6 +148,20 @@ TEST_F(Simulate, ContinuesATrajectoryFromARecord) {
   }
 }
 
+TEST_F(Simulate, ARunCutInTwoKeepsItsEnergyBalance) {
+  // A body falls past z = 0, where its energy is all in the 0.05 m that it fell.
+  write("fall.toml", "format = \"graphsolve-scene\"\nversion = 1\ntime_step = 0.01\n[[bodies]]\nname = \"b\"\nmass = 1\n"
+                     "inertia = [1, 1, 1]\n");
+  const auto energy = [&](const char* key) { return nlohmann::json::parse(text("s.json")).at("energy_J").at(key).get<double>(); };
+  ASSERT_EQ(run("simulate fall.toml --steps 10 --out t.json --summary s.json").code, 0);
+  const double end = energy("end");
+  const Outcome outcome = run("simulate t.json --from 10 --steps 1 --summary s.json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out.find("gained"), std::string::npos) << outcome.out;
+  EXPECT_NEAR(energy("start"), end, 1e-13);
+  EXPECT_NEAR(energy("end"), end, 1e-13);
+}
+
 TEST_F(Simulate, TakesAnotherTimeStepAndFrictionModel) {
   ASSERT_EQ(run("simulate disc --time-step 0.005 --friction-model pyramid --steps 2 --out t.json").code, 0);
   const auto trajectory = read_scene(path("t.json"));

@@ -117,7 +117,8 @@ class Simulator {
   /// Its change in the last step, or the last substep, over the length of that: what the damping of a motor answers to.
   /// At a half_kick start that of the velocities given.
   [[nodiscard]] std::optional<double> joint_rate(int joint) const;
-  /// Energy at the previous pose: mean of the kinetic energies of the two steps around it, plus potential [J].
+  /// Energy in the middle of the last step (or substep), where the velocity is that of the step: kinetic and potential
+  /// [J]. A free fall keeps it to rounding. At a half_kick start that of the pose. A record tells it as the run does.
   [[nodiscard]] double energy() const;
   [[nodiscard]] Vec3 linear_momentum() const;   ///< [N s]
   [[nodiscard]] Vec3 angular_momentum() const;  ///< about the world origin [N m s]

@@ -21,14 +21,6 @@ HWY_NOINLINE void Place(BodyOctet& body, unsigned used) {
   keep(rotation.c0, body.rotation), keep(rotation.c1, body.rotation + 3), keep(rotation.c2, body.rotation + 6);
 }
 
-HWY_INLINE void keep_energies(BodyOctet& body, const Keeper& keep) {
-  const Vector3 v = load3(body.state.velocity), w = load3(body.state.velocity + 3);
-  const Pack mass = load(body.mass);
-  keep(Pack(0.5) * (mass * dot(v, v) + dot(w, load33(body.inertia) * w)), body.state.kinetic);
-  keep(-mass * dot(load3(body.gravity), load3(body.state.x)), body.state.potential);
-}
-void KeepEnergies(BodyOctet& body, unsigned used) { keep_energies(body, Keeper(used)); }
-
 // The formulas are those of rotation.hpp.
 unsigned Begin(BodyOctet& body, unsigned used, const BodyStart& start) {
   const Keeper keep(used);
@@ -114,7 +106,6 @@ void HandOut(const ResidualOctet& residual, unsigned used, const int* rows, doub
 
 void Commit(BodyOctet& body, unsigned used, const BodyAtOctet& at) {
   const Keeper keep(used);
-  keep_energies(body, keep);
   for (int k = 0; k < 3; ++k) keep(load(at.pose[k]), body.state.x[k]);
   for (int k = 0; k < 4; ++k) keep(load(at.pose[3 + k]), body.state.q[k]);
   for (int k = 0; k < 6; ++k) keep(load(at.velocity[k]), body.state.velocity[k]);
@@ -123,7 +114,6 @@ void Commit(BodyOctet& body, unsigned used, const BodyAtOctet& at) {
 
 BodyKernels Kernels() {
   return {.place = Place,
-          .keep_energies = KeepEnergies,
           .begin = Begin,
           .evaluate = EvaluateBodies,
           .push = Push,

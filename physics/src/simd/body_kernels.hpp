@@ -14,9 +14,8 @@ struct BodyOctet {
   Octet known[6];  ///< momentum before the step plus impulse of loads: linear, angular
   /// What a step that fails has to leave as it was.
   struct State {
-    Octet kinetic, potential;  ///< energies where the last step began
-    Octet velocity[6];         ///< v, w
-    Octet x[3], q[4];          ///< with the rotation the numbers of a Pose
+    Octet velocity[6];  ///< v, w
+    Octet x[3], q[4];   ///< with the rotation the numbers of a Pose
   } state;
   Octet rotation[9];  ///< of q
 
@@ -74,12 +73,11 @@ enum StartBeyond : unsigned { spins_faster = 1, lies_further = 2 };
 /// For the instruction set in use.
 struct BodyKernels {
   void (*place)(BodyOctet&, unsigned used);  ///< the rotation matrix follows its quaternion
-  void (*keep_energies)(BodyOctet&, unsigned used);  ///< of the state
   unsigned (*begin)(BodyOctet&, unsigned used, const BodyStart&);  ///< momenta; StartBeyond
   void (*evaluate)(const BodyTask&);         ///< poses, residual and its derivative: Bodies says which
   void (*push)(ResidualOctet&, unsigned used, const Octet* wrench);  ///< residual -= wrench, 6
   void (*hand_out)(const ResidualOctet&, unsigned used, const int* rows, double* all);  ///< adds to the rows
-  /// Keeps energies; the state becomes that at the iterate.
+  /// The state becomes that at the iterate.
   void (*commit)(BodyOctet&, unsigned used, const BodyAtOctet&);
 };
 BodyKernels body_kernels();

@@ -158,7 +158,6 @@ void Stepper::agree_with_joints(int lane) {
     bodies.set_velocity(i, Eigen::Map<const Vec3>(v.data() + bodies.row[i]), spin(i));
   }
   begin({&lane, 1}, dt);
-  bodies.keep_energies({&lane, 1});
   for (const Body& b : l.mechanism.bodies) {
     l.start_energy_loss += 0.5 * b.mass * b.velocity.squaredNorm();
     l.start_energy_loss += 0.5 * b.angular_velocity.dot(b.inertia * b.angular_velocity);

@@ -30,16 +30,17 @@ std::string_view step_explanation(graphsolve::Status status) {
   return "";
 }
 
-/// Of the pose between two steps: the mean of their kinetic energies, and the potential one.
+/// Of the middle of the last step, where its velocity is the body's: a fall keeps just that.
 double Stepper::energy(int lane) const {
-  double before = 0, after = 0, potential = 0;
+  const Vec3& gravity = lanes[lane].mechanism.gravity;
+  const double back = 0.5 * step_before(lane);
+  double kinetic = 0, potential = 0;
   for (int k = 0; k < bodies_per_lane; ++k) {
     const int i = body(lane, k);
-    before += bodies.kinetic_before(i);
-    after += bodies.kinetic_energy(i);
-    potential += bodies.potential_before(i);
+    kinetic += bodies.kinetic_energy(i);
+    potential -= bodies.mass(i) * gravity.dot(bodies.position(i) - back * bodies.velocity(i));
   }
-  return 0.5 * (before + after) + potential;
+  return kinetic + potential;
 }
 
 double Stepper::largest_joint_error(int lane) const {

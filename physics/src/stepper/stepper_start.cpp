@@ -79,7 +79,6 @@ void Stepper::set_state(int lane, std::span<const BodyRecord> records, const Lan
   l.state = state;
   l.turned_in_a_row = 0;
   begin({&lane, 1}, dt);
-  bodies.keep_energies({&lane, 1});
   contacts->clear(lane);
   joints.aim({&lane, 1});
   for (int k = 0; k < joints_per_lane; ++k) {

@@ -96,10 +96,6 @@ unsigned Bodies::begin(std::span<const int> copies, const BodyStart& start) {
   return beyond;
 }
 
-void Bodies::keep_energies(std::span<const int> copies) {
-  of_copies_.each(copies, [&](int octet, unsigned used) { kernels_.keep_energies(octets_[octet], used); });
-}
-
 void Bodies::commit(std::span<const int> copies) {
   of_copies_.each(copies, [&](int octet, unsigned used) { kernels_.commit(octets_[octet], used, at_[octet]); });
 }
