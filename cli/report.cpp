@@ -77,7 +77,6 @@ bool starts_inside(const RunSummary& s) { return s.distance.step == 0 && s.dista
 
 /// Nothing but motors and loads can add energy. The integrator does where bodies turn by a large part of a turn in a step.
 std::string energy_text(const RunSummary& s, const physics::Mechanism& scene) {
-  if (!std::isfinite(s.energy_end - s.energy_start)) return "beyond the largest number: what is so heavy, so fast or so far away?";
   std::string out = fmt::format("{:.6g} J -> {:.6g} J (change {:.3g} J)", s.energy_start, s.energy_end,
                                 s.energy_end - s.energy_start);
   const bool driven = !scene.loads.empty() || std::ranges::any_of(scene.joints, [](const auto& j) { return j.motor.has_value(); });

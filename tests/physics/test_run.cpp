@@ -57,7 +57,7 @@ TEST(Run, SummarisesWhatItsStepsSay) {
 
 /// Before, energy was told of the pose before the step, and a record knows only the one after it.
 TEST(Run, CutInTwoStartsAgainWithTheEnergyItEndedWith) {
-  for (const char* name : {"free_box", "pendulum:n=3", "snake:n=3", "disc", "quadruped", "snapping"}) {
+  for (const char* name : {"free_box", "pendulum:n=3", "snake:n=3", "disc", "quadruped", "hanging_bob"}) {
     for (const Start start : {Start::half_kick, Start::standard}) {
       Mechanism scene = built_in_scene(name);
       scene.start = start;

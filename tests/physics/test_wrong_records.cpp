@@ -49,6 +49,49 @@ TEST_F(WrongRecords, WithOpenJointsAreRefusedByName) {
   expect_as_before();
 }
 
+/// A joint holds angles as well as points; the bodies turn about the points here, which leaves those together.
+TEST(WrongRecordsOfJoints, ThatAreBentAreRefusedByName) {
+  for (const JointType type : {JointType::revolute, JointType::prismatic, JointType::fixed, JointType::spherical}) {
+    Mechanism scene;
+    for (const char* name : {"base", "arm"}) {
+      Body body;
+      body.name = name;
+      body.mass = 1;
+      body.inertia = Mat3::Identity();
+      scene.add(body);
+    }
+    Joint joint;
+    joint.name = "hinge";
+    joint.type = type;
+    joint.parent = {0};
+    joint.child = {1};
+    joint.axis = Vec3::UnitX();
+    joint.orientation = Quat(Eigen::AngleAxisd(0.7, Vec3(1, 2, 2) / 3));
+    scene.bodies[1].orientation = joint.orientation;
+    scene.add(joint);
+    Simulator simulator(scene);
+    ASSERT_TRUE(simulator.step().ok());
+    StepRecord record;
+    simulator.write_record(record);
+    const Quat held = record.bodies[1].orientation;
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool free = type == JointType::spherical || (type == JointType::revolute && axis == 0);
+      record.bodies[1].orientation = Quat(Eigen::AngleAxisd(0.1, Vec3::Unit(axis))) * held;
+      EXPECT_EQ(refusal(simulator, record), free ? "" : "record 1: the bodies of joint 'hinge' are 0.1 rad off their orientation")
+          << "type " << static_cast<int>(type) << ", axis " << axis;
+    }
+    record.bodies[1].orientation.coeffs() = -held.coeffs();  // the same orientation
+    EXPECT_EQ(refusal(simulator, record), "");
+  }
+}
+
+TEST_F(WrongRecords, OfBodiesWithoutAnEnergyAreRefusedByName) {
+  record.bodies[2].velocity.z() = 1e200;
+  EXPECT_EQ(refusal(simulator, record),
+            "record 5: body 'link 2' moves so fast or lies so far away that its energy is no number");
+  expect_as_before();
+}
+
 TEST_F(WrongRecords, WithASpinThatHasNoMomentumAreRefusedByName) {
   record.bodies[2].angular_velocity.z() = 1000;
   const std::string refused = refusal(simulator, record);

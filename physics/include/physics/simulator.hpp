@@ -91,7 +91,7 @@ class Simulator {
   [[nodiscard]] std::string failure_place() const;
 
   /// Continues from a record of this scene (always `standard`). Throws DescriptionError when it is none, or none that a
-  /// run has written (open joints, a spin without momentum); nothing is changed then. How often a hinge has turned is
+  /// run has written (open or bent joints, a spin without momentum); nothing is changed then. How often a hinge has turned is
   /// told by its coordinate in the record; without one, of a motor by its effort: at its limit it is taken to lag by less
   /// than a turn.
   void restart_from(const StepRecord& record);

@@ -17,6 +17,14 @@ double gap(const Joint& joint, const Frame& parent, const Frame& child) {
   return (apart - axis * axis.dot(apart)).norm();
 }
 
+double bend(const Joint& joint, const Frame& parent, const Frame& child) {
+  if (joint.type == JointType::spherical) return 0;
+  const Quat relative = joint.orientation.conjugate() * parent.orientation.conjugate() * child.orientation;
+  if (joint.type != JointType::revolute) return 2 * std::atan2(relative.vec().norm(), std::abs(relative.w()));
+  const Vec3 axis = joint.orientation.conjugate() * joint.axis.normalized(), turned = relative * axis;
+  return std::atan2(axis.cross(turned).norm(), axis.dot(turned));
+}
+
 double start_gap(const Mechanism& mechanism, const Joint& joint) {
   const auto frame = [&](BodyId id) {
     return id.is_world() ? Frame{} : Frame{mechanism.bodies[id.index].position, mechanism.bodies[id.index].orientation};

@@ -32,7 +32,9 @@ struct Frame {
 
 /// How far apart the points of a joint are where its parent and child lie, but for the travel of a prismatic one [m].
 double gap(const Joint& joint, const Frame& parent, const Frame& child);
-/// The same at the start.
+/// How far their orientations are from any that the joint allows [rad].
+double bend(const Joint& joint, const Frame& parent, const Frame& child);
+/// The gap at the start.
 double start_gap(const Mechanism& mechanism, const Joint& joint);
 /// A start that is further open is a wrong description [m, rad].
 inline constexpr double largest_start_error = 1e-5;

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <unordered_set>
 
+#include "mechanism/limits.hpp"
 #include "physics/mechanism.hpp"
 
 /// Every error is one sentence: the thing, the key, the value, and where it helps, what would do.
@@ -142,7 +143,19 @@ void check_shape(const Thing& thing, const Shape& shape) {
   if (shape.type == mesh && shape.file.empty()) fail(thing, "shape.file", "shape file is empty");
 }
 
-void check_body(Body& body, std::size_t index, double time_step) {
+/// Each of these would be infinite in the summary of a run, and so would all that follows.
+void check_energy(const Thing& thing, const Body& body, const Vec3& gravity) {
+  const auto told = [&](const char* key, const char* what, double value, const char* unit) {
+    if (!(std::abs(value) <= largest_energy)) fail(thing, key, "{} is {:.3g} {}, more than {:g}", what, value, unit, largest_energy);
+  };
+  const double speed = body.velocity.stableNorm(), distance = body.position.stableNorm();
+  told("velocity", "its kinetic energy", 0.5 * body.mass * speed * speed, "J");
+  told("angular_velocity", "its energy of rotation", 0.5 * body.angular_velocity.dot(body.inertia * body.angular_velocity), "J");
+  told("position", "its potential energy", body.mass * gravity.stableNorm() * distance, "J");
+  told("position", "its angular momentum about the origin", body.mass * speed * distance, "N m s");
+}
+
+void check_body(Body& body, std::size_t index, double time_step, const Vec3& gravity) {
   const Thing thing{fmt::format("body '{}'", body.name), fmt::format("bodies[{}]", index)};
   check_positive(thing, "mass", body.mass, "kg");
   check_inertia(thing, body.inertia);
@@ -155,6 +168,7 @@ void check_body(Body& body, std::size_t index, double time_step) {
     fail(thing, "angular_velocity", "spins at {:g} rad/s; |w| dt = {:g} must be < {}: use a time step below {:.3g} s",
          spin, spin * time_step, largest_turn, largest_turn / spin);
   check_shape(thing, body.shape);
+  check_energy(thing, body, gravity);
 }
 
 /// Index of an existing body, or the world where that is allowed.
@@ -279,7 +293,7 @@ void validate(Mechanism& mechanism) {
     bodies.add(body.name, i);
     if (body.name == "world")
       fail_at(fmt::format("bodies[{}].name", i), "body {} is called 'world', which is the name of the ground", i);
-    check_body(body, i, mechanism.time_step);
+    check_body(body, i, mechanism.time_step, mechanism.gravity);
   }
   for (std::size_t i = 0; i < mechanism.joints.size(); ++i) {
     joints.add(mechanism.joints[i].name, i);

@@ -1,5 +1,7 @@
 #include "simd/body_kernels.hpp"
 
+#include "mechanism/limits.hpp"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "simd/body_kernels.cpp"
 #include "graphsolve/simd/targets.hpp"
@@ -21,6 +23,17 @@ HWY_NOINLINE void Place(BodyOctet& body, unsigned used) {
   keep(rotation.c0, body.rotation), keep(rotation.c1, body.rotation + 3), keep(rotation.c2, body.rotation + 6);
 }
 
+HWY_INLINE Pack largest(const Vector3& v) { return gs::max(gs::abs(v.x), gs::max(gs::abs(v.y), gs::abs(v.z))); }
+
+/// Written so that a NaN has none.
+HWY_INLINE bool has_no_energy(const BodyOctet& body, unsigned used) {
+  const Vector3 v = load3(body.state.velocity), w = load3(body.state.velocity + 3), x = load3(body.state.x);
+  const Pack mass = load(body.mass), momentum = mass * largest(v);
+  const Pack turning = dot(w, load33(body.inertia) * w), height = gs::abs(mass * dot(load3(body.gravity), x));
+  const Pack told = momentum * (largest(v) + largest(x)) + turning + height;
+  return (gs::bits(!(told <= Pack(largest_energy))) & used) != 0;
+}
+
 // The formulas are those of rotation.hpp.
 unsigned Begin(BodyOctet& body, unsigned used, const BodyStart& start) {
   const Keeper keep(used);
@@ -35,8 +48,7 @@ unsigned Begin(BodyOctet& body, unsigned used, const BodyStart& start) {
     const Pack s = gs::sqrt(Pack(4 / (start.time_step * start.time_step)) - ww);
     keep(Pack(0.5 * start.time_step) * (s * jw - cross(w, jw)), body.known + 3);
   }
-  const Pack distance = gs::max(gs::abs(x.x), gs::max(gs::abs(x.y), gs::abs(x.z)));
-  const Mask fast = !(ww <= Pack(start.most_spin * start.most_spin)), far = !(distance <= Pack(start.most_distance));
+  const Mask fast = !(ww <= Pack(start.most_spin * start.most_spin)), far = !(largest(x) <= Pack(start.most_distance));
   return ((gs::bits(fast) & used) != 0 ? spins_faster : 0u) | ((gs::bits(far) & used) != 0 ? lies_further : 0u);
 }
 
@@ -104,12 +116,13 @@ void HandOut(const ResidualOctet& residual, unsigned used, const int* rows, doub
   gs::add_transposed(numbers, 6, to, used, 1.0);
 }
 
-void Commit(BodyOctet& body, unsigned used, const BodyAtOctet& at) {
+bool Commit(BodyOctet& body, unsigned used, const BodyAtOctet& at) {
   const Keeper keep(used);
   for (int k = 0; k < 3; ++k) keep(load(at.pose[k]), body.state.x[k]);
   for (int k = 0; k < 4; ++k) keep(load(at.pose[3 + k]), body.state.q[k]);
   for (int k = 0; k < 6; ++k) keep(load(at.velocity[k]), body.state.velocity[k]);
   Place(body, used);
+  return has_no_energy(body, used);
 }
 
 BodyKernels Kernels() {

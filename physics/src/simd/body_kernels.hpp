@@ -77,8 +77,8 @@ struct BodyKernels {
   void (*evaluate)(const BodyTask&);         ///< poses, residual and its derivative: Bodies says which
   void (*push)(ResidualOctet&, unsigned used, const Octet* wrench);  ///< residual -= wrench, 6
   void (*hand_out)(const ResidualOctet&, unsigned used, const int* rows, double* all);  ///< adds to the rows
-  /// The state becomes that at the iterate.
-  void (*commit)(BodyOctet&, unsigned used, const BodyAtOctet&);
+  /// The state becomes that at the iterate. True where a body then has no energy or momentum: largest_energy.
+  bool (*commit)(BodyOctet&, unsigned used, const BodyAtOctet&);
 };
 BodyKernels body_kernels();
 

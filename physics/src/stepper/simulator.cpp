@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "mechanism/limits.hpp"
 #include "mechanism/start_pose.hpp"
 #include "stepper/stepper.hpp"
 
@@ -54,13 +55,28 @@ void check_joint(const StepRecord& record, const Joint& joint, const JointRecord
   check("effort", j.effort);
 }
 
-/// A record that a run has written has closed joints.
+/// A record that a run has written has bodies whose energy is a number.
+void check_energy(const StepRecord& record, const Mechanism& mechanism, std::size_t k) {
+  const Body& body = mechanism.bodies[k];
+  const BodyRecord& b = record.bodies[k];
+  const double speed = b.velocity.stableNorm(), distance = b.position.stableNorm();
+  const double turning = b.angular_velocity.dot(body.inertia * b.angular_velocity);
+  const double told = body.mass * (speed * (speed + distance) + mechanism.gravity.stableNorm() * distance) + turning;
+  if (!(told <= largest_energy))
+    throw DescriptionError(fmt::format("record {}: body '{}' moves so fast or lies so far away that its energy is no number",
+                                       record.step, body.name));
+}
+
+/// And joints that hold what they hold.
 void check_closed(const Mechanism& mechanism, const StepRecord& record) {
   const auto frame = [&](BodyId id) {
     return id.is_world() ? Frame{} : Frame{record.bodies[id.index].position, record.bodies[id.index].orientation};
   };
   for (const Joint& joint : mechanism.joints) {
     const Frame parent = frame(joint.parent), child = frame(joint.child);
+    if (const double angle = bend(joint, parent, child); !(angle <= largest_start_error))
+      throw DescriptionError(fmt::format("record {}: the bodies of joint '{}' are {:.3g} rad off their orientation",
+                                         record.step, joint.name, angle));
     const double rounding = 1e-14 * std::max(parent.position.norm(), child.position.norm());
     if (const double apart = gap(joint, parent, child); apart > largest_start_error + rounding)
       throw DescriptionError(fmt::format("record {}: the points of joint '{}' are {:.3g} m apart", record.step, joint.name, apart));
@@ -85,6 +101,7 @@ void check_record(const Mechanism& mechanism, const StepRecord& record, double t
     if (const double turn = body.angular_velocity.norm() * time_step; !(turn < Bodies::largest_turn))
       throw DescriptionError(fmt::format("record {}: body '{}' spins too fast: |w| dt = {:.3g} must be < {}", record.step,
                                          mechanism.bodies[k].name, turn, Bodies::largest_turn));
+    check_energy(record, mechanism, k);
   }
   check_closed(mechanism, record);
   for (std::size_t k = 0; record.joints.size() == mechanism.joints.size() && k < record.joints.size(); ++k)

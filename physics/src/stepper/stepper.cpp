@@ -5,6 +5,7 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "graphsolve/largest.hpp"
 #include "terms/rotation.hpp"
@@ -258,7 +259,8 @@ void Stepper::apply_loads(int lane, double time_of_impulse) {
 
 /// The poses of the converged iterate are those that the residual was measured at.
 void Stepper::commit(std::span<const int> moved, double h) {
-  bodies.commit(moved);
+  if (!bodies.commit(moved))
+    for (const int lane : moved) refuse_without_energy(lane);
   for (const int lane : moved) {
     LaneState& s = lanes[lane].state;
     s.impulse_time = s.half_kick ? 0.5 * h : h;
@@ -266,6 +268,20 @@ void Stepper::commit(std::span<const int> moved, double h) {
     s.half_kick = false;
     s.solved_for = true;
     for (int k = 0; joints.keeps_coordinates() && k < joints_per_lane; ++k) joints.commit(joint(lane, k));
+  }
+}
+
+/// A body that went so far or so fast that nothing more could be told of it: the equations are solved, and the attempt
+/// has failed all the same.
+void Stepper::refuse_without_energy(int lane) {
+  Lane& l = lanes[lane];
+  for (int k = 0; k < bodies_per_lane; ++k) {
+    if (bodies.has_energy(body(lane, k), l.mechanism.gravity)) continue;
+    l.attempt.status = Status::not_finite;
+    l.failure = {};
+    l.failure.worst_node = body_node(lane, k);
+    l.failure.residual = std::numeric_limits<double>::infinity();
+    return;
   }
 }
 

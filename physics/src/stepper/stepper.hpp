@@ -172,6 +172,7 @@ struct Stepper {
   void note_distances(int lane);
   void apply_loads(int lane, double impulse_time);
   void commit(std::span<const int> moved, double h);
+  void refuse_without_energy(int lane);
   void save(std::span<const int> saved);
   void restore(int lane);
   void recall(int lane);

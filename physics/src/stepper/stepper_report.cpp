@@ -24,7 +24,8 @@ std::string_view step_explanation(graphsolve::Status status) {
       return "a pivot block is singular; look for joints that contradict each other, and for masses far below all "
              "others";
     case Status::not_finite:
-      return "a value became NaN or infinite; look for infinite input, or take a shorter time step";
+      return "a value became NaN or infinite, or a motion so large that its energy is no number; look for such input, or "
+             "take a shorter time step";
     case Status::step_bound: return "a body would turn farther than a step can say; take a shorter time step";
   }
   return "";
@@ -186,6 +187,7 @@ std::string Stepper::failure_place(int lane) const {
   } else if (const int contact = contacts->source(lane, failure.worst_batch, failure.worst_instance); contact >= 0) {
     thing = fmt::format("contact '{}'", l.mechanism.contacts[contact].name);
   }
+  if (std::isinf(failure.residual)) return thing + " (beyond the largest number)";
   return fmt::format("{} (residual {:.2g} m/s)", thing, failure.residual);
 }
 

@@ -56,6 +56,8 @@ class Bodies final : public graphsolve::Term {
   [[nodiscard]] Vec3 position(int i) const { return numbers<Vec3>(octet_with(i).state.x, i); }
   [[nodiscard]] Quat orientation(int i) const { return Quat(numbers<Eigen::Vector4d>(octet_with(i).state.q, i)); }
   [[nodiscard]] double kinetic_energy(int i) const;
+  /// Are its energy and its momenta numbers, as `commit` asks of all?
+  [[nodiscard]] bool has_energy(int i, const Vec3& gravity) const;
   void place(int i, const Vec3& x, const Quat& q);
   void set_velocity(int i, const Vec3& v, const Vec3& w);
   void add_known(int i, const Vec3& linear, const Vec3& angular);
@@ -63,8 +65,8 @@ class Bodies final : public graphsolve::Term {
   // All bodies of some copies, once they are wired.
   /// Momenta where a step begins. Returns StartBeyond.
   unsigned begin(std::span<const int> copies, const BodyStart& start);
-  /// The state becomes that at the present iterate.
-  void commit(std::span<const int> copies);
+  /// The state becomes that at the present iterate. False where a body then has no energy or momentum.
+  bool commit(std::span<const int> copies);
   void save();  ///< of all copies
   void restore(int copy);
   void exchange_with_saved();

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <utility>
 
+#include "mechanism/limits.hpp"
 #include "terms/bodies.hpp"
 
 /// What bodies are, and their state between steps.
@@ -96,8 +98,16 @@ unsigned Bodies::begin(std::span<const int> copies, const BodyStart& start) {
   return beyond;
 }
 
-void Bodies::commit(std::span<const int> copies) {
-  of_copies_.each(copies, [&](int octet, unsigned used) { kernels_.commit(octets_[octet], used, at_[octet]); });
+bool Bodies::commit(std::span<const int> copies) {
+  bool sound = true;
+  of_copies_.each(copies, [&](int octet, unsigned used) { sound &= !kernels_.commit(octets_[octet], used, at_[octet]); });
+  return sound;
+}
+
+bool Bodies::has_energy(int i, const Vec3& gravity) const {
+  const Vec3 w = spin(i);
+  const double v = velocity(i).lpNorm<Eigen::Infinity>(), x = position(i).lpNorm<Eigen::Infinity>();
+  return mass(i) * v * (v + x) + w.dot(inertia(i) * w) + std::abs(mass(i) * gravity.dot(position(i))) <= largest_energy;
 }
 
 void Bodies::save() {
