@@ -14,6 +14,7 @@
 #include "physics/batch_run.hpp"
 #include "physics/batch_variation.hpp"
 #include "progress.hpp"
+#include "rollout_copy.hpp"
 #include "rollout_plan.hpp"
 #include "rollout_summary.hpp"
 #include "scene_source.hpp"
@@ -86,13 +87,6 @@ void add_options(CLI::App& command, RolloutOptions& options) {
   command.footer(footer);
 }
 
-physics::Mechanism make_copy(const RolloutRequest& request, long long copy) {
-  physics::Mechanism mechanism = request.mechanism;
-  const std::vector<double> values = physics::draw(request.variations, request.seed, copy);
-  for (std::size_t i = 0; i < values.size(); ++i) physics::set_value(mechanism, request.variations[i].key, values[i]);
-  return mechanism;
-}
-
 Part run_shard(const RolloutOptions& options, const RolloutRequest& request, const Shard& shard, const std::string& path) {
   Part part;
   std::optional<RolloutFile> file;
@@ -127,6 +121,12 @@ Part run_shard(const RolloutOptions& options, const RolloutRequest& request, con
   };
   try {
     physics::run_batch(request.mechanism, run);
+  } catch (const physics::CopyError& error) {
+    if (file) file->abandon();
+    throw about_copy(request, error);
+  } catch (const DescriptionError& error) {  // the scene itself
+    if (file) file->abandon();
+    throw about_scene(options.scene, error);
   } catch (...) {
     if (file) file->abandon();
     throw;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "physics/batch_variation.hpp"
@@ -97,6 +98,21 @@ TEST_F(Rollout, KeysThatMakeNoSenseAreRefusedBeforeAnyCopy) {
   EXPECT_FALSE(fs::exists(path("a.jsonl")));
 }
 
+/// Each bound will do by itself, and copy 0 has no such spin: what is wrong comes up on the way.
+TEST_F(Rollout, ACopyThatIsWrongIsNamedWithItsKeyAndValue) {
+  const std::string x = "start.box.angular_velocity.x", y = "start.box.angular_velocity.y";
+  const auto vary = [&] { return "free_box:dt=0.01 --copies 99 --steps 3 --vary " + x + "=0:180 --vary mass=1:2 --vary " + y + "=0:180"; };
+  EXPECT_EQ(run(vary() + " --out a.jsonl"), 2);
+  const auto number = [&](const char* before) { return std::stod(err_.substr(err_.find(before) + std::strlen(before))); };
+  const auto copy = static_cast<long long>(number("copy "));
+  const auto drawn = [&](const std::string& key, double high) { return high * physics::uniform(0, copy, key); };
+  EXPECT_EQ(number("the value "), drawn(y, 180));
+  EXPECT_EQ(number((x + " = ").c_str()), drawn(x, 180));
+  EXPECT_TRUE(err_.starts_with("graphsolve: copy " + std::to_string(copy) + ": vary '" + y + "': the value ")) << err_;
+  EXPECT_NE(err_.find(" will not do beside " + x + " = "), std::string::npos) << err_;
+  EXPECT_NE(err_.find(": body 'box': spins at "), std::string::npos) << err_;
+}
+
 TEST_F(Rollout, StartPositionsThatOpenAJointAreRefusedBeforeAnyCopy) {
   const auto refused = [&](const std::string& arguments) {
     return Program::refused("rollout " + arguments + " --copies 99 --steps 3 --out a.jsonl");
@@ -110,7 +126,7 @@ TEST_F(Rollout, StartPositionsThatOpenAJointAreRefusedBeforeAnyCopy) {
   physics::Mechanism open = physics::built_in_scene("pendulum:n=2");
   open.bodies[1].position.y() += 0.25;
   physics::write_scene_json(open, path("open.json"));
-  EXPECT_EQ(refused("open.json"), "graphsolve: joint 'joint 1': its points start 0.25 m apart\n");
+  EXPECT_EQ(refused("open.json"), "graphsolve: open.json: joint 'joint 1': its points start 0.25 m apart\n");
   // A body that a fixed joint holds goes where that says: its own position may be left out, and moving it is refused.
   write("bolted.toml", "format = \"graphsolve-scene\"\nversion = 1\ntime_step = 0.01\n"
                        "[[bodies]]\nname = \"box\"\nmass = 1\ninertia = [1, 1, 1]\n"

@@ -44,9 +44,21 @@ struct BatchRun {
   std::function<bool(CopyResult&&)> on_result;
 };
 
+/// A copy that is wrong or does not fit the scene: "copy 17: ...".
+class CopyError : public DescriptionError {
+ public:
+  CopyError(long long copy, const DescriptionError& error);
+  [[nodiscard]] long long copy() const { return copy_; }
+  [[nodiscard]] const std::string& reason() const { return reason_; }  ///< without the number
+
+ private:
+  long long copy_;
+  std::string reason_;
+};
+
 /// Makes every copy's steps until they are done or one fails; its lane then takes the next copy. A copy's result does
-/// not depend on lanes or threads, to the bit. Throws DescriptionError, "copy 17: ...", when a copy is wrong or does
-/// not fit the scene; results of copies before it may have been handed out.
+/// not depend on lanes or threads, to the bit. Throws CopyError when a copy is wrong or does not fit the scene; results
+/// of copies before it may have been handed out.
 void run_batch(const Mechanism& scene, const BatchRun& run);
 
 }  // namespace physics

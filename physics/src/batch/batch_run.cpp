@@ -82,7 +82,7 @@ class Worker {
       try {
         load(lane, *copy);
       } catch (const DescriptionError& error) {
-        queue_.fail(*copy, std::make_exception_ptr(DescriptionError(fmt::format("copy {}: {}", *copy, error.what()))));
+        queue_.fail(*copy, std::make_exception_ptr(CopyError(*copy, error)));
         return;
       } catch (...) {
         queue_.fail(*copy, std::current_exception());
@@ -153,6 +153,9 @@ class Worker {
 };
 
 }  // namespace
+
+CopyError::CopyError(long long copy, const DescriptionError& error)
+    : DescriptionError(fmt::format("copy {}: {}", copy, error.what()), error.place()), copy_(copy), reason_(error.what()) {}
 
 void run_batch(const Mechanism& scene, const BatchRun& run) {
   const long long copies = run.last - run.first;
