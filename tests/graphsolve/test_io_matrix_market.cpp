@@ -1,61 +1,24 @@
 #include <gtest/gtest.h>
 
-#include <Eigen/SparseCore>
-#include <bit>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 #include <random>
 
-#include "graphsolve/io/eigen.hpp"
 #include "graphsolve/io/matrix_market.hpp"
 #include "graphsolve/io/text_file.hpp"
+#include "matrix_cases.hpp"
 
 namespace test_io_matrix_market {
 
 namespace fs = std::filesystem;
 using namespace graphsolve;
 using namespace graphsolve::io;
-
-void expect_same_bits(const SparseMatrix& a, const SparseMatrix& b) {
-  EXPECT_EQ(a.rows, b.rows);
-  EXPECT_EQ(a.columns, b.columns);
-  EXPECT_EQ(a.begin, b.begin);
-  EXPECT_EQ(a.row, b.row);
-  ASSERT_EQ(a.value.size(), b.value.size());
-  for (std::size_t k = 0; k < a.value.size(); ++k)
-    EXPECT_EQ(std::bit_cast<std::uint64_t>(a.value[k]), std::bit_cast<std::uint64_t>(b.value[k])) << a.value[k];
-}
-
-/// Any bits that are a finite number: denormals, negative zero, the largest.
-double any_double(std::mt19937_64& random) {
-  while (true)
-    if (const double value = std::bit_cast<double>(random()); std::isfinite(value)) return value;
-}
-
-SparseMatrix random_matrix(int rows, int columns, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::vector<Triplet> triplets;
-  for (int j = 0; j < columns; ++j)
-    for (int i = 0; i < rows; ++i)
-      if (random() % 3 == 0) triplets.push_back({i, j, any_double(random)});
-  return from_triplets(rows, columns, triplets);
-}
-
-SparseMatrix mirrored(int n, double sign, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::vector<Triplet> triplets;
-  for (int j = 0; j < n; ++j) {
-    for (int i = sign > 0 ? j : j + 1; i < n; ++i) {
-      if (random() % 3 != 0) continue;
-      const double value = any_double(random);
-      triplets.push_back({i, j, value});
-      if (i != j) triplets.push_back({j, i, sign * value});
-    }
-  }
-  return from_triplets(n, n, triplets);
-}
+using cases::any_double;
+using cases::expect_same_bits;
+using cases::mirrored;
+using cases::random_matrix;
 
 std::string file(const std::string& kind, const std::string& rest) {
   return "%%MatrixMarket matrix " + kind + "\n" + rest;
@@ -266,53 +229,6 @@ TEST(MatrixMarket, WhatCannotBeWrittenIsRefused) {
   const std::vector<Triplet> bad{{0, 0, std::nan("")}};
   EXPECT_THROW((void)matrix_market(from_triplets(1, 1, bad)), std::invalid_argument);
   EXPECT_THROW((void)matrix_market(std::vector<double>{1, 2, 3}, 2), std::invalid_argument);
-}
-
-TEST(EigenConversion, BothWaysKeepEveryBitAndExplicitZeros) {
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    const SparseMatrix matrix = random_matrix(7, 12, seed);
-    expect_same_bits(from_eigen(to_eigen(matrix)), matrix);
-    expect_same_bits(from_eigen(to_eigen<std::int64_t, Eigen::RowMajor>(matrix)), matrix);
-  }
-  Eigen::SparseMatrix<float> small(2, 2);
-  small.insert(1, 0) = 0.5f;  // not compressed
-  small.insert(0, 0) = 0;
-  const SparseMatrix back = from_eigen(small);
-  EXPECT_EQ(back.entries(), 2);
-  EXPECT_EQ(back.value, (std::vector<double>{0, 0.5}));
-  EXPECT_EQ(from_eigen(2.0 * to_eigen(back)).value[1], 1);
-}
-
-TEST(SparseMatrixTools, ProductsAndBackwardErrorsAreThoseOfDenseMatrices) {
-  std::mt19937_64 random(5);
-  std::normal_distribution<double> normal;
-  Eigen::MatrixXd dense = Eigen::MatrixXd::NullaryExpr(9, 9, [&] { return random() % 2 ? normal(random) : 0.0; });
-  const SparseMatrix matrix = from_eigen(Eigen::SparseMatrix<double>(dense.sparseView()));
-  const Eigen::VectorXd x = Eigen::VectorXd::NullaryExpr(9, [&] { return normal(random); });
-  Eigen::VectorXd y(9), b = dense * x;
-  multiply(matrix, {x.data(), 9}, {y.data(), 9});
-  EXPECT_LT((y - b).norm(), 1e-14);
-  EXPECT_LT(backward_error(matrix, {b.data(), 9}, {x.data(), 9}).componentwise, 1e-15);
-  b[3] += 1e-3;
-  const BackwardError error = backward_error(matrix, {b.data(), 9}, {x.data(), 9});
-  const Eigen::VectorXd denominator = dense.cwiseAbs() * x.cwiseAbs() + b.cwiseAbs();
-  EXPECT_NEAR(error.componentwise, 1e-3 / denominator[3], 1e-12);
-  EXPECT_NEAR(error.normwise,
-              1e-3 / (dense.cwiseAbs().rowwise().sum().maxCoeff() * x.cwiseAbs().maxCoeff() + b.cwiseAbs().maxCoeff()),
-              1e-12);
-  Eigen::VectorXd bad = x;
-  bad[2] = std::nan("");
-  EXPECT_TRUE(std::isnan(backward_error(matrix, {b.data(), 9}, {bad.data(), 9}).componentwise));
-}
-
-TEST(SparseMatrixTools, SymmetryIsJudgedByPatternAndByBits) {
-  const std::vector<Triplet> lopsided{{0, 1, 1}, {1, 1, 2}, {2, 0, 1}, {0, 2, 1}};
-  const SymmetryReport report = symmetry(from_triplets(3, 3, lopsided));
-  EXPECT_EQ(report.unmatched, 1);
-  EXPECT_FALSE(report.symmetric);
-  EXPECT_TRUE(symmetry(mirrored(8, 1, 1)).symmetric);
-  EXPECT_EQ(symmetry(mirrored(8, -1, 1)).unmatched, 0);
-  EXPECT_THROW((void)from_triplets(2, 2, std::vector<Triplet>{{2, 0, 1}}), std::invalid_argument);
 }
 
 TEST(RealMatrices, AllAreReadAndComeBackBitForBit) {

@@ -1,67 +1,18 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
-#include <limits>
 
-#include "physics/mechanism.hpp"
+#include "scene_mistakes.hpp"
 
 namespace test_validate {
 
 // Every error of `validate` is provoked once; its sentence names the thing, the key and the value.
 
 using namespace physics;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// Two bodies, a joint of each kind that matters, a contact, a load: all right.
-Mechanism good_scene() {
-  Mechanism scene;
-  Body body;
-  body.mass = 2;
-  body.inertia = Vec3(1, 2, 2.5).asDiagonal();
-  body.name = "disc";
-  const BodyId disc = scene.add(body);
-  body.name = "rod";
-  const BodyId rod = scene.add(body);
-  Joint knee;
-  knee.name = "knee";
-  knee.type = JointType::revolute;
-  knee.parent = disc;
-  knee.child = rod;
-  knee.motor = Motor{.stiffness = 1, .damping = 1, .limit = 2, .target = 0.0};
-  scene.add(knee);
-  Joint ball;
-  ball.name = "ball";
-  ball.type = JointType::spherical;
-  ball.child = disc;
-  scene.add(ball);
-  Contact rim;
-  rim.name = "rim";
-  rim.body = disc;
-  rim.friction = 0.5;
-  rim.tangent = Vec3::UnitX();
-  scene.add(rim);
-  Load push;
-  push.body = rod;
-  scene.add(push);
-  return scene;
-}
-
-/// What `validate` says of the good scene after a change; empty when it says nothing.
-std::string message(const std::function<void(Mechanism&)>& change) {
-  Mechanism scene = good_scene();
-  change(scene);
-  try {
-    validate(scene);
-  } catch (const DescriptionError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-#define CHANGE(statement) [](Mechanism& scene) { statement; }
+using mistakes::good_scene;
+using mistakes::infinity;
+using mistakes::message;
+using mistakes::nan;
 
 /// Where the wrong value stands in a scene file.
 std::string place(const std::function<void(Mechanism&)>& change) {
@@ -268,95 +219,6 @@ TEST(Validate, NamesAWrongTargetOfAMotor) {
             "revolute joint 'knee': value 1 of the motor target nan is not finite");
   EXPECT_EQ(message(CHANGE(scene.joints[0].motor->target = TableTarget({{0, 1}, {2, 1}, {2, 3}}))),
             "revolute joint 'knee': times of the motor target do not increase (time 2 is 2 s after 2 s)");
-}
-
-TEST(Validate, NamesAWrongBodyOfAContact) {
-  EXPECT_EQ(message(CHANGE(scene.contacts[0].body = world)), "contact 'rim': body is the world, which nothing moves");
-  EXPECT_EQ(message(CHANGE(scene.contacts[0].body.index = 9)),
-            "contact 'rim': body 9 is not a body (the scene has 2, counted from 0)");
-}
-
-TEST(Validate, NamesAWrongPlane) {
-  EXPECT_EQ(message(CHANGE(scene.contacts[0].normal.setZero())), "contact 'rim': normal has length 0");
-  EXPECT_EQ(message(CHANGE(scene.contacts[0].normal = Vec3(0, 0, 2))),
-            "contact 'rim': normal (0, 0, 2) has length 2, not 1");
-  EXPECT_EQ(message(CHANGE(scene.contacts[0].plane_point.y() = nan)),
-            "contact 'rim': plane point (0, nan, 0) is not finite");
-  EXPECT_EQ(message(CHANGE(scene.contacts[0].point.y() = nan)), "contact 'rim': point (0, nan, 0) is not finite");
-}
-
-TEST(Validate, NamesAWrongFriction) {
-  EXPECT_EQ(message(CHANGE(scene.contacts[0].friction = -0.1)), "contact 'rim': friction -0.1 is not >= 0");
-  EXPECT_EQ(message(CHANGE(scene.contacts[0].friction = nan)), "contact 'rim': friction nan is not >= 0");
-  EXPECT_EQ(message(CHANGE(scene.contacts[0].friction = infinity)), "contact 'rim': friction inf is not finite");
-  EXPECT_EQ(message(CHANGE(scene.contacts[0].friction = 1e300)),
-            "contact 'rim': friction 1e+300 is above 1000, where nothing slides any more and solves fail");
-  EXPECT_EQ(message(CHANGE(scene.contacts[0].friction = 1000)), "");
-}
-
-TEST(Validate, WantsAnEvenNumberOfDirections) {
-  EXPECT_EQ(message(CHANGE(scene.contacts[0].directions = 5)),
-            "contact 'rim': directions 5 is not an even number from 4 to 1024");
-  EXPECT_EQ(message(CHANGE(scene.contacts[0].directions = 2)),
-            "contact 'rim': directions 2 is not an even number from 4 to 1024");
-  EXPECT_EQ(message(CHANGE(scene.contacts[0].directions = 1026)),
-            "contact 'rim': directions 1026 is not an even number from 4 to 1024");
-}
-
-TEST(Validate, NamesATangentWithoutADirectionInThePlane) {
-  EXPECT_EQ(message(CHANGE(scene.contacts[0].tangent->setZero())), "contact 'rim': tangent has length 0");
-  EXPECT_EQ(message(CHANGE(scene.contacts[0].tangent = Vec3(0, 0, -3))),
-            "contact 'rim': tangent (0, 0, -1) is parallel to the normal (0, 0, 1)");
-  EXPECT_EQ(message(CHANGE(scene.contacts[0].tangent->x() = nan)), "contact 'rim': tangent (nan, 0, 0) is not finite");
-}
-
-TEST(Validate, TurnsATangentIntoThePlane) {
-  Mechanism scene = good_scene();
-  scene.contacts[0].tangent = Vec3(3, 4, 7);
-  validate(scene);
-  EXPECT_TRUE(scene.contacts[0].tangent->isApprox(Vec3(0.6, 0.8, 0), 1e-15));
-}
-
-TEST(Validate, NamesAWrongRadiusOfAContact) {
-  EXPECT_EQ(message(CHANGE(scene.contacts[0].radius = -1)), "contact 'rim': radius -1 is not >= 0");
-}
-
-TEST(Validate, NamesAWrongLoad) {
-  EXPECT_EQ(message(CHANGE(scene.loads[0].body = world)), "load 0: body is the world, which nothing moves");
-  EXPECT_EQ(message(CHANGE(scene.loads[0].body.index = 2)),
-            "load 0: body 2 is not a body (the scene has 2, counted from 0)");
-  EXPECT_EQ(message(CHANGE(scene.loads[0].first_step = 0)),
-            "load 0: first step 0 is not >= 1 (step 1 leads to record 1)");
-  EXPECT_EQ(message(CHANGE(scene.loads[0].first_step = 5)), "load 0: last step 1 is before the first step 5");
-  EXPECT_EQ(message(CHANGE(scene.loads[0].force.x() = nan)), "load 0: force (nan, 0, 0) is not finite");
-  EXPECT_EQ(message(CHANGE(scene.loads[0].torque.x() = nan)), "load 0: torque (nan, 0, 0) is not finite");
-}
-
-TEST(ShapeInertia, MatchesTheTextbook) {
-  using enum Shape::Type;
-  EXPECT_TRUE(shape_inertia({.type = sphere, .radius = 2, .file = ""}, 5).isApprox(8 * Mat3::Identity()));
-  EXPECT_TRUE(
-      shape_inertia({.type = box, .size = Vec3(1, 2, 3), .file = ""}, 12).isApprox(Mat3(Vec3(13, 10, 5).asDiagonal())));
-  EXPECT_TRUE(shape_inertia({.type = cylinder, .radius = 0.5, .height = 0.1, .file = ""}, 1)
-                  .isApprox(Mat3(Vec3(0.19 / 3, 0.19 / 3, 0.125).asDiagonal())));
-  EXPECT_EQ(shape_inertia({.type = mesh, .file = "a.obj"}, 1), Mat3::Zero());
-}
-
-TEST(ShapeInertia, OfACapsuleMatchesASumOverSlices) {
-  const double r = 0.3, h = 0.8;
-  const int slices = 20000;
-  double volume = 0, side = 0, axial = 0;
-  for (int i = 0; i < slices; ++i) {
-    const double dz = (h + 2 * r) / slices, z = -h / 2 - r + (i + 0.5) * dz;
-    const double outside = std::max(0.0, std::abs(z) - h / 2), area_radius2 = r * r - outside * outside;
-    volume += area_radius2 * dz;
-    axial += 0.5 * area_radius2 * area_radius2 * dz;
-    side += area_radius2 * (0.25 * area_radius2 + z * z) * dz;
-  }
-  const Mat3 inertia = shape_inertia({.type = Shape::Type::capsule, .radius = r, .height = h, .file = ""}, 3);
-  EXPECT_NEAR(inertia(0, 0), 3 * side / volume, 1e-7);
-  EXPECT_NEAR(inertia(1, 1), 3 * side / volume, 1e-7);
-  EXPECT_NEAR(inertia(2, 2), 3 * axial / volume, 1e-7);
 }
 
 }  // namespace test_validate
