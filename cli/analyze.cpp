@@ -87,6 +87,10 @@ int analyze(const Options& options) {
     if (report.graph.size() == 0) throw DescriptionError(fmt::format("{}: the scene has nothing that moves", options.source));
   }
   report.add_all(methods);
+  if (report.rows.empty() && methods.size() > 1)
+    throw DescriptionError(fmt::format("{}: every ordering fills more than {} blocks, which is too much to explain; merge "
+                                       "rows into blocks (--blocks)",
+                                       options.source, AnalyzeReport::most_fill_blocks));
   if (report.rows.empty())
     throw DescriptionError(fmt::format("{}: {}; take another ordering, or merge rows into blocks", options.source,
                                        report.left_out.front()));

@@ -16,9 +16,6 @@ using study::number;
 
 namespace {
 
-/// What is worked out and attributed takes a kilobyte for each.
-constexpr std::int64_t most_fill_blocks = 3'000'000;
-
 /// Scalars that fill adds to the matrix, both triangles.
 std::int64_t fill_scalars(const Symbolic& symbolic) {
   return symbolic.counts().stored_scalars - symbolic.counts().matrix_scalars;

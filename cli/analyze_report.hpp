@@ -33,6 +33,8 @@ struct AnalyzeReport {
     }
   };
 
+  static constexpr std::int64_t most_fill_blocks = 3'000'000;  ///< each takes a kilobyte, worked out and attributed
+
   std::string source;       ///< as named on the command line
   std::string description = {};  ///< one line
   graphsolve::BlockGraph graph = {};

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <iostream>
@@ -60,6 +61,7 @@ int printed(int code) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file as large as the shell allows is an error of that write
   CLI::App program("Exact contact dynamics of rigid bodies in maximal coordinates, and the sparse block solver under it.", "graphsolve");
   program.set_version_flag("--version", "graphsolve " GRAPHSOLVE_VERSION);
   program.require_subcommand(1);

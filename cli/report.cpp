@@ -32,7 +32,7 @@ std::string steps_text(const Report& report) {
   std::string text = fmt::format("{} of {} solved", s.steps, report.steps_wanted);
   for (const auto& [status, count] : s.statuses)
     if (status != graphsolve::Status::solved) text += fmt::format(", {} {}", count, graphsolve::name(status));
-  if (report.result.stopped && s.steps < report.steps_wanted) text += ", stopped by request";
+  if (report.result.stopped && s.steps < report.steps_wanted) text += report.signal ? ", stopped by request" : ", stopped";
   text += fmt::format("; {:.6g} s simulated in {:.3g} s", s.simulated_time, s.wall_time);
   if (s.wall_time > 0) text += fmt::format(" ({:.3g} times real time)", s.simulated_time / s.wall_time);
   return text;

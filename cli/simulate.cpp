@@ -36,8 +36,8 @@ constexpr const char* footer = R"(Examples:
   graphsolve simulate scene.toml --duration 2 --time-step 0.005 --out motion.csv
   graphsolve simulate snake.json --from 200 --steps 100 --out longer.json
 
-A trajectory is a scene with its records; it can be simulated again, or continued with --from. A run that fails or
-is interrupted (Ctrl-C) keeps what it has: the trajectory so far is written and valid.
+A trajectory is a scene with its records; it can be simulated again, or continued with --from. A run that fails,
+is interrupted (Ctrl-C) or fills the disk keeps what it has: the trajectory so far is written and valid.
 
 Exit code: 0 all steps solved, 1 a step failed, 2 wrong input or a file that cannot be read or written,
 130 or 143 stopped by SIGINT or SIGTERM.)";
@@ -124,8 +124,47 @@ physics::Simulator make_simulator(const SceneSource& source, const Options& opti
   }
 }
 
+/// The trajectory of a run. Where it cannot be written any further, such as on a full disk, the run ends, and what is
+/// there is kept.
+class Output {
+ public:
+  Output(const std::string& path, const physics::Mechanism& scene) : writer_(path, scene) {}
+  void add(const physics::StepRecord& record) {
+    if (!refused()) attempt([&] { writer_.add(record); });
+  }
+  void commit(const std::optional<physics::FailureRecord>& failure) {
+    if (!refused()) attempt([&] { writer_.commit(failure); });
+  }
+  [[nodiscard]] bool refused() const { return !refusal_.empty(); }
+  /// A sentence with what was kept.
+  [[nodiscard]] const std::string& refusal() const { return refusal_; }
+
+ private:
+  template <class F>
+  void attempt(F&& write) {
+    try {
+      write();
+    } catch (const DescriptionError& error) {
+      refusal_ = error.what();
+      keep();
+    }
+  }
+  void keep() {
+    try {
+      const auto last = writer_.commit_what_is_there();
+      refusal_ += last ? fmt::format("; the file ends with record {}, and --from {} continues from there", *last, *last)
+                       : std::string("; nothing of it is kept");
+    } catch (const DescriptionError&) {
+      refusal_ += "; nothing of it is kept";
+    }
+  }
+
+  physics::TrajectoryWriter writer_;
+  std::string refusal_;
+};
+
 /// Records before the one to continue from, and that one, are kept as they are.
-void copy_records(const physics::Trajectory& trajectory, int last, physics::TrajectoryWriter& writer) {
+void copy_records(const physics::Trajectory& trajectory, int last, Output& writer) {
   for (const physics::StepRecord& record : trajectory.steps)
     if (record.step <= last) writer.add(record);
 }
@@ -142,7 +181,7 @@ int finish(const Options& options, const physics::Simulator& simulator, const ph
                simulator.time(), failure->status, one_line(failure->place), failure->cause);
     return step_failed;
   }
-  if (result.stopped && result.summary.steps < steps) {
+  if (interrupt() && result.stopped && result.summary.steps < steps) {
     fmt::print(stderr, "graphsolve: {}: stopped after step {} by signal {}\n", options.scene, simulator.step_index(),
                interrupt());
     return interrupted + interrupt();
@@ -165,7 +204,7 @@ int simulate(Options options) {
   physics::StepRecord start;
   simulator.write_record(start);
 
-  std::optional<physics::TrajectoryWriter> writer;
+  std::optional<Output> writer;
   physics::RunOptions run_options;
   if (!options.out.empty()) {
     writer.emplace(options.out, simulator.mechanism());
@@ -180,12 +219,16 @@ int simulate(Options options) {
     const int first = simulator.step_index();
     run_options.on_step = [&](const physics::Simulator& now, const physics::StepResult&) {
       progress.update(now.step_index() - first);
-      return interrupt() == 0;
+      return interrupt() == 0 && !(writer && writer->refused());
     };
     return physics::run(simulator, steps, run_options);
   }();
   if (writer) writer->commit(result.failure);
-  return finish(options, simulator, start, result, steps);
+  if (writer && writer->refused()) options.out.clear();  // said below
+  const int code = finish(options, simulator, start, result, steps);
+  if (!writer || !writer->refused()) return code;
+  fmt::print(stderr, "graphsolve: {}\n", writer->refusal());
+  return wrong_input;
 }
 
 }  // namespace

@@ -65,8 +65,8 @@ io::DenseMatrix right_hand_side(const Options& options, const SparseMatrix& matr
   }
   translate_errors(options.right, [&] { b = io::read_dense_matrix_market(options.right); });
   if (b.rows != matrix.rows || b.columns < 1)
-    throw DescriptionError(fmt::format("{}: the right-hand side must have {} rows, not {} x {}", options.right, matrix.rows,
-                                       b.rows, b.columns));
+    throw DescriptionError(fmt::format("{}: the right-hand side must have {} {} and a column at least, not {} x {}",
+                                       options.right, matrix.rows, matrix.rows == 1 ? "row" : "rows", b.rows, b.columns));
   return b;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <string_view>
 #include <vector>
 
@@ -23,9 +24,11 @@ std::vector<std::string> options_of(const CLI::App& command) {
 }
 
 std::string about_word(const CLI::App& command, const std::string& word) {
-  if (!word.starts_with('-')) return fmt::format("'{}' is one word too many", word);
+  const auto known = options_of(command);
+  // Behind "--" an option is a word like others.
+  if (!word.starts_with('-') || std::ranges::find(known, word) != known.end()) return fmt::format("'{}' is one word too many", word);
   return fmt::format("there is no option '{}'; there are: {}", word.substr(0, word.find('=')),
-                     fmt::join(options_of(command), ", "));
+                     fmt::join(known, ", "));
 }
 
 /// The name of the option is only in the text, at its front; that of a flag without dashes.

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -126,6 +127,20 @@ TEST_F(MatrixCommand, OrderingsThatFillMoreThanMemoryHoldsOrTakeLongAreLeftOut) 
     EXPECT_NE(all.out.find(part), std::string::npos) << part;
 }
 
+TEST_F(MatrixCommand, AMatrixThatAllOrderingsFillIsRefusedAsAWhole) {
+  constexpr int n = 4000;
+  std::mt19937 random(1);
+  std::vector<Triplet> tangle;
+  for (int i = 0; i < n; ++i) {
+    tangle.push_back({i, i, 50});
+    for (int k = 0; k < 12; ++k)
+      if (const int j = static_cast<int>(random() % n); j != i) tangle.insert(tangle.end(), {{i, j, -1}, {j, i, -1}});
+  }
+  write("tangle.mtx", n, tangle);
+  EXPECT_EQ(refused("analyze tangle.mtx"), "graphsolve: tangle.mtx: every ordering fills more than 3000000 blocks, which is too "
+                                           "much to explain; merge rows into blocks (--blocks)\n");
+}
+
 TEST_F(MatrixCommand, NamesOfTheBlockMapAppearEscaped) {
   write("ring.mtx", 4, line(4, Shape::ring));
   write("map.json", R"({"format": "graphsolve-blocks", "version": 1, "blocks": [{"name": "a<\"&b", "dimension": 2}, 2]})");
@@ -240,7 +255,7 @@ TEST_F(MatrixCommand, WrongInputIsNamedWithFileLineAndValue) {
               "graphsolve: sizes.txt: block 'rows 3-4': row 4 lies outside of 1 .. 3\n");
     EXPECT_NE(refused(c + " a.mtx --ordering bset").find("there is no ordering 'bset'"), std::string::npos);
   }
-  EXPECT_EQ(refused("solve a.mtx b.mtx"), "graphsolve: b.mtx: the right-hand side must have 3 rows, not 2 x 1\n");
+  EXPECT_EQ(refused("solve a.mtx b.mtx"), "graphsolve: b.mtx: the right-hand side must have 3 rows and a column at least, not 2 x 1\n");
   EXPECT_NE(refused("solve a.mtx --factorization qr").find("there is no factorization 'qr'"), std::string::npos);
   EXPECT_EQ(refused("solve unsymmetric.mtx --factorization ldlt"),
             "graphsolve: unsymmetric.mtx: ldlt needs a symmetric matrix\n");

@@ -12,6 +12,7 @@ namespace test_simulate {
 
 // What `simulate` prints and writes.
 
+namespace fs = std::filesystem;
 using physics::read_scene;
 
 constexpr const char* failing_scene = R"(
@@ -179,6 +180,22 @@ TEST_F(Simulate, AStartInsideAPlaneIsSaid) {
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("the scene begins inside a plane"), std::string::npos) << outcome.out;
   EXPECT_EQ(outcome.out.find("shorter time step"), std::string::npos) << outcome.out;
+}
+
+TEST_F(Simulate, ADiskThatFillsUpEndsTheRunAndKeepsWhatFits) {
+  const Outcome outcome = run("simulate snake:n=3 --steps 900 --out t.json --summary s.json", "ulimit -f 60;");
+  EXPECT_EQ(outcome.code, 2);
+  ASSERT_TRUE(fs::exists(path("t.json"))) << outcome.err;
+  const int last = read_scene(path("t.json")).steps.back().step;
+  const std::string number = std::to_string(last);
+  EXPECT_EQ(outcome.err, "graphsolve: cannot write 't.json': File too large; the file ends with record " + number +
+                             ", and --from " + number + " continues from there\n");
+  EXPECT_GT(last, 5);
+  const int solved = nlohmann::json::parse(text("s.json")).at("steps_solved");
+  EXPECT_GE(solved, last);
+  EXPECT_LT(solved, 900);
+  EXPECT_NE(outcome.out.find("of 900 solved, stopped;"), std::string::npos) << outcome.out;
+  EXPECT_EQ(run("simulate t.json --steps 3 --from " + number).code, 0);
 }
 
 TEST_F(Simulate, AStepThatFailsGivesCodeOneAndKeepsTheTrajectorySoFar) {

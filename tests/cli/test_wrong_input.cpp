@@ -33,6 +33,7 @@ TEST_F(WrongInput, WrongOptionsAreRefusedInOneLine) {
     EXPECT_EQ(refused(std::string("study scaling ") + options),
               "graphsolve: there is no option '--quik'; there are: --help, --quick, --out (see 'graphsolve study --help')\n");
   EXPECT_EQ(refused("study scaling --quick=3"), "graphsolve: --quick takes no value (see 'graphsolve study --help')\n");
+  EXPECT_EQ(refused("simulate disc -- --steps"), "graphsolve: '--steps' is one word too many (see 'graphsolve simulate --help')\n");
   EXPECT_EQ(refused("scenes disc"), "graphsolve: 'disc' is one word too many (see 'graphsolve scenes --help')\n");
   for (const char* options : {"--steps", "--steps="})
     EXPECT_EQ(refused(std::string("simulate disc ") + options),

@@ -75,6 +75,24 @@ TEST(Run, CutInTwoStartsAgainWithTheEnergyItEndedWith) {
   }
 }
 
+/// Its velocities are those of the pose where the scene says so: no step led there.
+TEST(Run, ContinuedFromItsStartIsTheSameRun) {
+  for (const Start start : {Start::half_kick, Start::standard}) {
+    Mechanism scene = built_in_scene("snake:n=3");
+    scene.start = start;
+    Simulator whole(scene), again(scene);
+    StepRecord first, expected, found;
+    whole.write_record(first);
+    again.restart_from(first);
+    EXPECT_EQ(again.energy(), whole.energy());
+    for (int k = 0; k < 30; ++k) ASSERT_TRUE(whole.step().ok() && again.step().ok());
+    whole.write_record(expected);
+    again.write_record(found);
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_LE((found.bodies[i].position - expected.bodies[i].position).norm(), 1e-9) << static_cast<int>(start);
+  }
+}
+
 TEST(Run, RecordsTheStartAndEveryStep) {
   Simulator simulator(built_in_scene("pendulum"));
   std::vector<int> steps;

@@ -1,5 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -7,6 +11,7 @@
 
 #include "physics/scene_io.hpp"
 #include "physics/scenes.hpp"
+#include "physics/simulator.hpp"
 
 namespace test_scene_files {
 
@@ -83,6 +88,59 @@ TEST_F(SceneFiles, AWriterMakesTheFileThatWritingAtOnceMakes) {
   EXPECT_EQ(text("t.csv"), text("other.csv"));
   EXPECT_EQ(read_scene(path("t.json")).steps.size(), 3u);
   EXPECT_EQ(entries().size(), 4u);
+}
+
+/// A file may grow to so many bytes, as on a disk that fills up.
+class Limit {
+ public:
+  explicit Limit(rlim_t bytes) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    rlimit now = before_;
+    now.rlim_cur = bytes;
+    setrlimit(RLIMIT_FSIZE, &now);
+  }
+  ~Limit() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  Limit(const Limit&) = delete;
+  Limit& operator=(const Limit&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int) = std::signal(SIGXFSZ, SIG_IGN);
+};
+
+TEST_F(SceneFiles, WhatFitsOnADiskThatFillsUpIsKept) {
+  Simulator simulator(scene_);
+  for (const char* name : {"t.json", "t.csv", "none.json"}) {
+    const Limit limit(name == std::string("none.json") ? 100 : 20'000);
+    TrajectoryWriter writer(path(name), scene_);
+    StepRecord record;
+    int given = 0;
+    const std::string refused = error([&] {
+      for (; given < 1000; ++given) {
+        simulator.write_record(record);
+        record.step = given;
+        writer.add(record);
+      }
+      writer.commit();
+    });
+    EXPECT_EQ(refused, "cannot write '" + path(name) + "': File too large");
+    const std::optional<int> last = writer.commit_what_is_there();
+    if (name == std::string("none.json")) {
+      EXPECT_FALSE(last);
+      continue;
+    }
+    ASSERT_TRUE(last);
+    EXPECT_GT(*last, given / 2) << "of what was written before the disk was full";
+    EXPECT_LT(*last, given);
+    const std::string written = text(name);
+    EXPECT_GT(written.size(), 19'000u);
+    if (name == std::string("t.json")) EXPECT_EQ(read_scene(path(name)).steps.back().step, *last);
+    else EXPECT_EQ(std::ranges::count(written, '\n'), *last + 2) << "with the names of the columns";
+  }
+  EXPECT_EQ(entries().size(), 2u);
 }
 
 TEST_F(SceneFiles, ATrajectoryWithoutStepsIsValid) {

@@ -46,6 +46,9 @@ TEST_F(WrongRecords, WithOpenJointsAreRefusedByName) {
   const std::string refused = refusal(simulator, record);
   EXPECT_TRUE(refused.starts_with("record 5: the points of joint '")) << refused;
   EXPECT_TRUE(refused.ends_with("are 1 m apart")) << refused;
+  record.bodies[2].position.x() = 1e200;  // its square is no number
+  record.bodies[2].velocity.setZero();
+  EXPECT_TRUE(refusal(simulator, record).ends_with("are 1e+200 m apart")) << refusal(simulator, record);
   expect_as_before();
 }
 

@@ -94,10 +94,10 @@ namespace {
 
 Header read_banner(Lines& lines) {
   if (!lines.next_raw()) lines.fail_file("the file is empty");
-  const std::string banner = lower(lines.word()), object = lower(lines.word()), format = lower(lines.word()),
+  const std::string first(lines.word()), object = lower(lines.word()), format = lower(lines.word()),
                     field = lower(lines.word()), symmetry = lower(lines.word());
-  if (banner != "%%matrixmarket")
-    lines.fail("this is no Matrix Market file: it begins with " + in_quotes(banner) + ", not '%%MatrixMarket'");
+  if (lower(first) != "%%matrixmarket")
+    lines.fail("this is no Matrix Market file: it begins with " + in_quotes(first) + ", not '%%MatrixMarket'");
   if (object != "matrix") lines.fail("the object must be 'matrix', not " + in_quotes(object));
   Header header;
   if (format == "array") header.format = Header::Format::array;

@@ -64,6 +64,21 @@ void OutputFile::commit() {
   partial_.clear();
 }
 
+std::int64_t OutputFile::bytes_there() {
+  if (file_) std::fclose(std::exchange(file_, nullptr));
+  std::error_code error;
+  const std::uintmax_t bytes = partial_.empty() ? 0 : fs::file_size(partial_, error);
+  return error ? 0 : static_cast<std::int64_t>(bytes);
+}
+
+void OutputFile::go_on_behind(std::int64_t bytes) {
+  std::error_code error;
+  fs::resize_file(partial_, static_cast<std::uintmax_t>(bytes), error);
+  if (error) refuse_(path_, error.message());
+  file_ = std::fopen(partial_.c_str(), "ab");
+  if (!file_) fail();
+}
+
 void OutputFile::fail() const { refuse_(path_, std::strerror(errno)); }
 
 void OutputFile::throw_file_error(const std::string& path, std::string_view reason) {

@@ -63,6 +63,9 @@ class TrajectoryWriter {
   /// Completes the file, says in it why the run failed if it did, and gives it its name. Throws DescriptionError, on a
   /// full disk for example.
   void commit(const std::optional<FailureRecord>& failure = {});
+  /// After `add` or `commit` has thrown: completes the file with the records that got into it, and returns the step of the
+  /// last. Empty where there is none, or no ordinary file; then nothing remains.
+  std::optional<int> commit_what_is_there();
 
  private:
   struct Impl;

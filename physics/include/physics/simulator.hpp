@@ -90,10 +90,10 @@ class Simulator {
   /// After a failed step: where the solver got stuck, "joint 'knee' (residual 0.02 m/s)".
   [[nodiscard]] std::string failure_place() const;
 
-  /// Continues from a record of this scene (always `standard`). Throws DescriptionError when it is none, or none that a
-  /// run has written (open or bent joints, a spin without momentum); nothing is changed then. How often a hinge has turned is
-  /// told by its coordinate in the record; without one, of a motor by its effort: at its limit it is taken to lag by less
-  /// than a turn.
+  /// Continues from a record of this scene (as `standard`; from record 0 as the scene says). Throws DescriptionError when
+  /// it is none, or none that a run has written (open or bent joints, a spin without momentum); nothing is changed then.
+  /// How often a hinge has turned is told by its coordinate in the record; without one, of a motor by its effort: at its
+  /// limit it is taken to lag by less than a turn.
   void restart_from(const StepRecord& record);
 
   /// Fills a record of the present state; for record 0 forces are zero.

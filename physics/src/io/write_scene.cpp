@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <ostream>
+#include <vector>
 
 #include "graphsolve/io/output_file.hpp"
 #include "io/write.hpp"
@@ -96,26 +98,52 @@ void write_text_file(std::string_view text, const std::string& path) {
 void check_writable(const std::string& path) { io::OutputFile file(path); }
 
 struct TrajectoryWriter::Impl {
+  struct Record {
+    int step;
+    std::int64_t end;  ///< bytes up to there
+  };
   Mechanism mechanism;
   io::OutputFile file;
   Pieces pieces;
+  std::int64_t bytes = 0;
+  std::vector<Record> records;  ///< for a disk that fills up
   Impl(const std::string& path, const Mechanism& scene)
       : mechanism(scene), file(path), pieces(io::format_of(path), mechanism) {}
+  void write(const std::string& text) {
+    file.write(text);
+    bytes += std::ssize(text);
+  }
 };
 
 TrajectoryWriter::TrajectoryWriter(const std::string& path, const Mechanism& mechanism)
     : impl_(std::make_unique<Impl>(path, mechanism)) {
-  impl_->file.write(impl_->pieces.begin());
+  impl_->write(impl_->pieces.begin());
 }
 TrajectoryWriter::~TrajectoryWriter() = default;
 TrajectoryWriter::TrajectoryWriter(TrajectoryWriter&&) noexcept = default;
 TrajectoryWriter& TrajectoryWriter::operator=(TrajectoryWriter&&) noexcept = default;
 
-void TrajectoryWriter::add(const StepRecord& record) { impl_->file.write(impl_->pieces.next(record)); }
+void TrajectoryWriter::add(const StepRecord& record) {
+  impl_->write(impl_->pieces.next(record));
+  impl_->records.push_back({record.step, impl_->bytes});
+}
 
 void TrajectoryWriter::commit(const std::optional<FailureRecord>& failure) {
   impl_->file.write(impl_->pieces.end(failure));
   impl_->file.commit();
+}
+
+std::optional<int> TrajectoryWriter::commit_what_is_there() {
+  const std::string end = impl_->pieces.end({});
+  const std::int64_t room = impl_->file.bytes_there() - std::ssize(end);  // what is cut off makes room for the end
+  const auto& records = impl_->records;
+  const auto behind = std::ranges::upper_bound(records, room, {}, &Impl::Record::end);
+  if (behind == records.begin()) return {};
+  const Impl::Record& last = *std::prev(behind);
+  impl_->file.go_on_behind(last.end);
+  impl_->file.write(end);
+  impl_->file.commit();
+  return last.step;
 }
 
 }  // namespace physics

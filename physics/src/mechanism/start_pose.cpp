@@ -12,9 +12,9 @@ RigidMotion start_motion(const Mechanism& mechanism, BodyId body) {
 
 double gap(const Joint& joint, const Frame& parent, const Frame& child) {
   const Vec3 apart = child.position + child.orientation * joint.child_point - parent.position - parent.orientation * joint.parent_point;
-  if (joint.type != JointType::prismatic) return apart.norm();
+  if (joint.type != JointType::prismatic) return apart.stableNorm();
   const Vec3 axis = parent.orientation * joint.axis.normalized();
-  return (apart - axis * axis.dot(apart)).norm();
+  return (apart - axis * axis.dot(apart)).stableNorm();
 }
 
 double bend(const Joint& joint, const Frame& parent, const Frame& child) {

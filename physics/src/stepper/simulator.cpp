@@ -77,8 +77,8 @@ void check_closed(const Mechanism& mechanism, const StepRecord& record) {
     if (const double angle = bend(joint, parent, child); !(angle <= largest_start_error))
       throw DescriptionError(fmt::format("record {}: the bodies of joint '{}' are {:.3g} rad off their orientation",
                                          record.step, joint.name, angle));
-    const double rounding = 1e-14 * std::max(parent.position.norm(), child.position.norm());
-    if (const double apart = gap(joint, parent, child); apart > largest_start_error + rounding)
+    const double rounding = 1e-14 * std::max(parent.position.stableNorm(), child.position.stableNorm());
+    if (const double apart = gap(joint, parent, child); !(apart <= largest_start_error + rounding))
       throw DescriptionError(fmt::format("record {}: the points of joint '{}' are {:.3g} m apart", record.step, joint.name, apart));
   }
 }
@@ -129,7 +129,9 @@ void Simulator::restart_from(const StepRecord& record) {
   Lane& lane = s.lanes[only];
   const int substeps = record.solver ? std::max(1, record.solver->substeps) : 1;
   check_record(lane.mechanism, record, s.dt / substeps);
-  s.set_state(only, record.bodies, {.time_step = s.dt / substeps});
+  // Velocities of the start are what the scene says they are; no step led there.
+  const bool half_kick = record.step == 0 && !record.solver && lane.mechanism.start == Start::half_kick;
+  s.set_state(only, record.bodies, {.time_step = s.dt / substeps, .half_kick = half_kick});
   s.contacts->set(only, lane.mechanism, s.assembly(only));  // bases of the scene, where the record has none
   // Forces of the record make the start warm and keep the friction basis; a start without them is only colder.
   if (record.contacts.size() == lane.mechanism.contacts.size())

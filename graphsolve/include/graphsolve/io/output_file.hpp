@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <string>
 #include <string_view>
@@ -22,6 +23,12 @@ class OutputFile {
 
   void write(std::string_view text);
   void commit();
+
+  /// After `write` or `commit` has thrown: bytes that got into the file, which is closed by that; 0 where it is no
+  /// ordinary one.
+  [[nodiscard]] std::int64_t bytes_there();
+  /// Then: goes on behind the first of them.
+  void go_on_behind(std::int64_t bytes);
 
  private:
   static void throw_file_error(const std::string& path, std::string_view reason);
