@@ -129,7 +129,8 @@ Command add_analyze(CLI::App& program) {
       ->required()
       ->type_name("");
   command->add_option("--blocks", options->blocks, "Block map: JSON, or a list of sizes (default: found in the pattern)")
-      ->type_name("MAP");
+      ->type_name("MAP")
+      ->check(file_name());
   command->add_option("--ordering", options->ordering, "all, or one of " + ordering_names())
       ->type_name("NAME")
       ->capture_default_str();

@@ -12,7 +12,7 @@
 /// The subcommands: each adds itself to the program and returns what to do when it was chosen.
 namespace cli {
 
-/// What the program tells the shell. Interrupted runs add the signal: 130 for SIGINT, 143 for SIGTERM.
+/// What the program tells the shell. Interrupted runs add the signal: 129 for SIGHUP, 130 for SIGINT, 143 for SIGTERM.
 enum ExitCode : int { all_solved = 0, step_failed = 1, wrong_input = 2, interrupted = 128 };
 
 /// In one line: names and texts of files may hold line feeds, and what a terminal would obey.

@@ -1,6 +1,6 @@
 #pragma once
 
-/// SIGINT and SIGTERM as a question that a loop can ask. The second signal ends the program at once.
+/// SIGINT, SIGTERM and SIGHUP (a terminal that is closed) as a question that a loop can ask. The second signal ends the program at once.
 namespace cli {
 
 void catch_interrupts();

@@ -27,7 +27,7 @@ constexpr const char* footer = R"(Examples:
   graphsolve simulate --help                       all options of a command
 
 Exit code: 0 solved, 1 a step failed or a system was singular, 2 wrong input or a file that cannot be read or written,
-130 or 143 stopped by SIGINT or SIGTERM.
+129, 130 or 143 stopped by SIGHUP, SIGINT or SIGTERM.
 
 Environment: GRAPHSOLVE_SIMD=plain|avx2|avx512 is the most that is used of the machine's vector instructions.)";
 

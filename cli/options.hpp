@@ -33,9 +33,14 @@ inline CLI::Validator seed() {
   return {check, ""};
 }
 
-/// An empty word is what a shell makes of a variable that is not set: nothing would be written.
+/// An empty word is what a shell makes of a variable that is not set: nothing would be written. The next option is taken
+/// where the name was forgotten: it would be written to, and be missing.
 inline CLI::Validator file_name() {
-  return {[](const std::string& text) { return text.empty() ? std::string("needs a file name") : std::string(); }, ""};
+  const auto check = [](const std::string& text) {
+    if (text.empty()) return std::string("needs a file name");
+    return text.starts_with('-') ? fmt::format("needs a file name, not {} (./{} is one)", text, text) : std::string();
+  };
+  return {check, ""};
 }
 
 inline CLI::Validator positive() {

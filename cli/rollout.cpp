@@ -60,7 +60,7 @@ The file has one line of JSON per copy. Its bytes do not depend on threads, lane
 where a killed one stopped. See docs/rollouts.md.
 
 Exit code: 0 all copies solved all steps, 1 some copy failed, 2 wrong input or a file that cannot be read or written,
-130 or 143 stopped by SIGINT or SIGTERM (mpirun that is stopped itself has a code of its own).)";
+129, 130 or 143 stopped by SIGHUP, SIGINT or SIGTERM (mpirun that is stopped itself has a code of its own).)";
 
 void add_options(CLI::App& command, RolloutOptions& options) {
   const auto add = [&](const char* group, const char* name, auto& value, const char* type, const char* help) {
@@ -83,7 +83,7 @@ void add_options(CLI::App& command, RolloutOptions& options) {
       ->capture_default_str();
   add("Machine", "--shard", options.shard, "I/N", "Only part I = 0 .. N-1 of N of the copies");
   add("Output", "--out", options.out, "FILE", "One line of JSON per copy; continued when it is there")->check(file_name());
-  add("Output", "--merge", options.merge, "FILE", "Put the files of all shards together into --out");
+  add("Output", "--merge", options.merge, "FILE", "Put the files of all shards together into --out")->check(file_name());
   command.footer(footer);
 }
 

@@ -42,7 +42,7 @@ std::string first_of(const std::vector<std::string>& texts) {
 void sum(const Processes& processes, Part& part) {
   std::vector<long long> values{part.tally.copies,  part.tally.steps, part.steps_now,
                                 part.copies_before, part.complete,    part.signal == SIGINT,
-                                part.signal == SIGTERM, part.tally.inside};
+                                part.signal == SIGTERM, part.tally.inside, part.signal == SIGHUP};
   const std::size_t counted = values.size();
   for (const Status status : statuses) values.push_back(part.tally.statuses[std::string(name(status))]);
   processes.sum(values);
@@ -51,7 +51,7 @@ void sum(const Processes& processes, Part& part) {
   part.steps_now = values[2];
   part.copies_before = values[3];
   part.complete = values[4] == processes.count();
-  part.signal = values[6] > 0 ? SIGTERM : values[5] > 0 ? SIGINT : 0;
+  part.signal = values[6] > 0 ? SIGTERM : values[5] > 0 ? SIGINT : values[8] > 0 ? SIGHUP : 0;
   part.tally.inside = values[7];
   for (std::size_t i = 0; i < std::size(statuses); ++i)
     part.tally.statuses[std::string(name(statuses[i]))] = values[counted + i];

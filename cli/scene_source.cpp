@@ -54,11 +54,12 @@ void check_record(const physics::Trajectory& trajectory, const physics::StepReco
 
 bool is_scene_file(const std::string& name) {
   if (name.ends_with(".json") || name.ends_with(".toml") || name.find('/') != std::string::npos) return true;
+  std::error_code unknown;  // too long a name, say
   // What is there, or looks like a file, is one, and gets the sentence that says how scene files end.
   const std::string short_name = name.substr(0, name.find(':'));
   const auto& known = physics::built_in_scenes();
   if (std::ranges::any_of(known, [&](const auto& info) { return info.name == short_name; })) return false;
-  return short_name.find('.') != std::string::npos || std::filesystem::exists(name);
+  return short_name.find('.') != std::string::npos || std::filesystem::exists(name, unknown);
 }
 
 SceneSource load_scene(const std::string& name) {

@@ -40,7 +40,7 @@ A trajectory is a scene with its records; it can be simulated again, or continue
 is interrupted (Ctrl-C) or fills the disk keeps what it has: the trajectory so far is written and valid.
 
 Exit code: 0 all steps solved, 1 a step failed, 2 wrong input or a file that cannot be read or written,
-130 or 143 stopped by SIGINT or SIGTERM.)";
+129, 130 or 143 stopped by SIGHUP (a terminal that is closed), SIGINT or SIGTERM.)";
 
 CLI::Validator friction_model() {
   const auto check = [](const std::string& text) {

@@ -169,7 +169,7 @@ Command add_solve(CLI::App& program) {
   const auto add = [&](const char* name, std::string& value, const char* type, const std::string& help) {
     return command->add_option(name, value, help)->type_name(type);
   };
-  add("--blocks", options->blocks, "MAP", "Block map: JSON, or a list of sizes (default: found in the pattern)");
+  add("--blocks", options->blocks, "MAP", "Block map: JSON, or a list of sizes (default: found in the pattern)")->check(file_name());
   add("--ordering", options->ordering, "NAME", ordering_names())->capture_default_str();
   add("--factorization", options->factorization, "KIND", "auto, ldu, ldlt or cholesky")->capture_default_str();
   add("--out", options->out, "FILE", "The solution, a Matrix Market file; written when solved")->check(file_name());

@@ -44,7 +44,7 @@ NAME-*.svg, drawn by gnuplot, whose titles are the findings. A study that is int
 half a measurement is none; those finished before stay, and the command that makes the others is printed.
 
 Exit code: 0 all steps solved, 1 some step failed (it stays in the tables), 2 wrong input or a file that cannot be
-written, 130 or 143 stopped by SIGINT or SIGTERM.)";
+written, 129, 130 or 143 stopped by SIGHUP, SIGINT or SIGTERM.)";
 
 /// Thrown out of a study that is to end.
 struct Interrupted {};

@@ -74,6 +74,7 @@ class Program : public testing::Test {
   [[nodiscard]] int signal_amid(const std::string& arguments, int signal, const std::function<bool()>& ready) const {
     const pid_t child = fork();
     if (child == 0) {
+      ::signal(signal, SIG_DFL);  // nohup around the tests would have it ignored
       if (chdir(folder_.c_str()) != 0 || !freopen(".out", "w", stdout) || !freopen(".err", "w", stderr)) _exit(99);
       execl("/bin/sh", "sh", "-c", ("exec '" GRAPHSOLVE_CLI "' " + arguments).c_str(), nullptr);
       _exit(99);

@@ -105,7 +105,7 @@ TEST_F(Cli, AReaderThatHasGoneCostsNoFile) {
 }
 
 TEST_F(Cli, AnInterruptedRunKeepsWhatItHasAndSaysSo) {
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const Outcome outcome =
         run_and_signal("simulate snake:n=50 --duration 100000 --out t.json", signal);
     EXPECT_EQ(outcome.code, 128 + signal);

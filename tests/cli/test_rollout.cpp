@@ -78,12 +78,15 @@ TEST_F(Rollout, AKilledRunGoesOnToTheSameBytes) {
 
 TEST_F(Rollout, AnInterruptedRunEndsCleanlyAndGoesOn) {
   const std::string long_work = "disc:c=8 --copies 1500 --steps 60 --vary friction=0.1:0.9";
-  const int status = signal_amid(long_work + " --out cut.jsonl", "cut.jsonl", SIGINT);
-  ASSERT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 130);
-  ASSERT_EQ(run(long_work + " --out cut.jsonl"), 0) << err_;
   ASSERT_EQ(run(long_work + " --out whole.jsonl"), 0) << err_;
-  EXPECT_EQ(text("cut.jsonl"), text("whole.jsonl"));
+  for (const int signal : {SIGINT, SIGHUP}) {
+    fs::remove(path("cut.jsonl"));
+    const int status = signal_amid(long_work + " --out cut.jsonl", "cut.jsonl", signal);
+    ASSERT_TRUE(WIFEXITED(status)) << signal;
+    EXPECT_EQ(WEXITSTATUS(status), 128 + signal);
+    ASSERT_EQ(run(long_work + " --out cut.jsonl"), 0) << err_;
+    EXPECT_EQ(text("cut.jsonl"), text("whole.jsonl")) << signal;
+  }
 }
 
 TEST_F(Rollout, TheStepAfterTheMostStepsThereCanBeIsNamed) {

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "physics/batch_variation.hpp"
+#include "physics/scene_io.hpp"
 #include "physics/simulator.hpp"
 #include "rollout_program.hpp"
 
@@ -126,7 +127,10 @@ TEST_F(Rollout, StartPositionsThatOpenAJointAreRefusedBeforeAnyCopy) {
   physics::Mechanism open = physics::built_in_scene("pendulum:n=2");
   open.bodies[1].position.y() += 0.25;
   physics::write_scene_json(open, path("open.json"));
-  EXPECT_EQ(refused("open.json"), "graphsolve: open.json: joint 'joint 1': its points start 0.25 m apart\n");
+  // The line of the joint, as `simulate` names it.
+  const std::string line = std::to_string(physics::line_in_scene(path("open.json"), "joints[1]"));
+  EXPECT_EQ(refused("open.json"), "graphsolve: open.json:" + line + ": joint 'joint 1': its points start 0.25 m apart\n");
+  EXPECT_EQ(Program::refused("simulate open.json"), refused("open.json"));
   // A body that a fixed joint holds goes where that says: its own position may be left out, and moving it is refused.
   write("bolted.toml", "format = \"graphsolve-scene\"\nversion = 1\ntime_step = 0.01\n"
                        "[[bodies]]\nname = \"box\"\nmass = 1\ninertia = [1, 1, 1]\n"

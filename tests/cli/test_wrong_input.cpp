@@ -44,6 +44,13 @@ TEST_F(WrongInput, WrongOptionsAreRefusedInOneLine) {
   for (const char* command : {"simulate disc --out ''", "simulate disc --summary ''", "solve a.mtx --out ''",
                               "analyze disc --json ''", "rollout disc --copies 1 --steps 1 --out ''", "study scaling --out ''"})
     EXPECT_NE(refused(command).find(": needs a file name"), std::string::npos) << command;
+  // A name that was forgotten: the next option would be the file, and be missing.
+  EXPECT_EQ(refused("solve a.mtx --out --transposed"),
+            "graphsolve: --out: needs a file name, not --transposed (./--transposed is one) (see 'graphsolve solve --help')\n");
+  for (const char* command : {"simulate disc --summary --steps 3", "analyze disc --json --svg a.svg", "study scaling --out --quick",
+                              "rollout --merge --out a.jsonl", "solve a.mtx --blocks --transposed"})
+    EXPECT_NE(refused(command).find(": needs a file name, not --"), std::string::npos) << command;
+  EXPECT_NE(refused("simulate " + std::string(5000, 'a')).find("there is no built-in scene 'aaa"), std::string::npos);
   EXPECT_NE(refused("simulate disc --steps 3 --duration 1").find("excludes"), std::string::npos);
   EXPECT_NE(refused("simulate disc --from 3 --time-step 1").find("excludes"), std::string::npos);
   EXPECT_NE(refused("simulate disc --friction-model cone").find("must be pyramid or aligned, not cone"),

@@ -112,7 +112,7 @@ TEST(MergedBodies, AJointThatTheirsLeaveOpenIsRefusedByName) {
     joint.parent_point = scene.joints[0].parent_point + point;
     joint.child_point = scene.joints[0].child_point;
     joint.orientation = scene.joints[0].orientation * orientation;
-    joint.axis = Vec3::UnitZ();
+    joint.axis = point.isZero() ? joint.orientation * Vec3::UnitZ() : Vec3::UnitZ();  // across the turn; along the shift
     scene.add(joint);
     try {
       const Simulator simulator(scene);
@@ -127,8 +127,10 @@ TEST(MergedBodies, AJointThatTheirsLeaveOpenIsRefusedByName) {
   EXPECT_EQ(sentence(JointType::prismatic, {0, 0, 3}, none), "taken");
   for (const JointType type : {JointType::fixed, JointType::spherical, JointType::revolute})
     EXPECT_EQ(sentence(type, {0, 0, 3}, none), "joint 'across': its points are 3 m apart, and fixed joints hold its bodies together");
-  EXPECT_EQ(sentence(JointType::fixed, Vec3::Zero(), turned),
-            "joint 'across': its bodies are 0.1 rad off its orientation, and other fixed joints hold them together");
+  for (const JointType type : {JointType::fixed, JointType::revolute, JointType::prismatic})
+    EXPECT_EQ(sentence(type, Vec3::Zero(), turned),
+              "joint 'across': its bodies are 0.1 rad off its orientation, and other fixed joints hold them together");
+  EXPECT_EQ(sentence(JointType::spherical, Vec3::Zero(), turned), "taken");
 }
 
 TEST(MergedBodies, ASceneWhereNothingMovesIsStepped) {

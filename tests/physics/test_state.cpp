@@ -286,12 +286,15 @@ TEST(State, AJointThatStartsOpenIsNamedWithItsUnit) {
   };
   const std::string joint = "joint '" + built_in_scene("pendulum:n=2,joint=revolute").joints[1].name + "': ";
   EXPECT_EQ(message([](Body& link) { link.position.y() += 0.25; }), joint + "its points start 0.25 m apart");
-  const std::string turned = message([](Body& link) {
-    // About the point of the joint, which lies on the axis of the link.
-    const Quat turn(Eigen::AngleAxisd(0.1, link.orientation * Vec3::UnitZ()));
-    link.orientation = turn * link.orientation;
-  });
-  EXPECT_EQ(turned, joint + "its bodies start 0.1 rad off their orientation");
+  for (const auto& [angle, sentence] : {std::pair(0.1, "its bodies start 0.1 rad off their orientation"),
+                                        {2.5, "its bodies start 2.5 rad off their orientation"}}) {
+    const std::string turned = message([angle](Body& link) {
+      // About the point of the joint, which lies on the axis of the link.
+      const Quat turn(Eigen::AngleAxisd(angle, link.orientation * Vec3::UnitZ()));
+      link.orientation = turn * link.orientation;
+    });
+    EXPECT_EQ(turned, joint + sentence);
+  }
 }
 
 }  // namespace test_state

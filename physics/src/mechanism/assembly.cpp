@@ -100,15 +100,16 @@ RigidBody compose(const Mechanism& mechanism, const std::vector<int>& members, s
 }
 
 /// Of a joint whose bodies fixed joints hold together: it must be closed where they are, for nothing will close it.
-void check_held(const Joint& joint, const Placement& a, const Placement& b) {
-  const double apart = gap(joint, {a.offset, a.rotation}, {b.offset, b.rotation});
-  if (apart > largest_start_error)
+void check_held(const Mechanism& mechanism, int j, const Placement& a, const Placement& b) {
+  const Joint& joint = mechanism.joints[j];
+  const Frame parent{a.offset, a.rotation}, child{b.offset, b.rotation};
+  const std::string place = fmt::format("joints[{}]", j);
+  if (const double apart = gap(joint, parent, child); apart > largest_start_error)
     throw DescriptionError(fmt::format("joint '{}': its points are {:.3g} m apart, and fixed joints hold its bodies together",
-                                       joint.name, apart));
-  const double angle = joint.type == JointType::fixed ? b.rotation.angularDistance(a.rotation * joint.orientation) : 0;
-  if (angle > largest_start_error)
+                                       joint.name, apart), place);
+  if (const double angle = bend(joint, parent, child); angle > largest_start_error)
     throw DescriptionError(fmt::format("joint '{}': its bodies are {:.3g} rad off its orientation, and other fixed joints "
-                                       "hold them together", joint.name, angle));
+                                       "hold them together", joint.name, angle), place);
 }
 
 }  // namespace
@@ -123,7 +124,7 @@ Assembly assemble(const Mechanism& mechanism, bool merge_fixed_joints) {
     const Placement a = joint.parent.is_world() ? Placement{} : result.placement[joint.parent.index];
     const Placement& b = result.placement[joint.child.index];
     if (a.body == b.body) {  // both sides hang together already
-      check_held(joint, a, b);
+      check_held(mechanism, j, a, b);
       continue;
     }
     result.joints.push_back({.source = j,

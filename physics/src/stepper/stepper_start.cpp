@@ -98,10 +98,14 @@ void Stepper::check_start(int lane) const {
     const JointGeometry& g = joints.geometry(j);
     const auto [distance, angle] = joints.error(j, bodies.pose_now(g.parent), bodies.pose_now(g.child));
     const std::string& name = lanes[lane].mechanism.joints[g.source].name;
-    if (distance > largest_start_error)
-      throw DescriptionError(fmt::format("joint '{}': its points start {:.3g} m apart", name, distance));
-    if (angle > largest_start_error)
-      throw DescriptionError(fmt::format("joint '{}': its bodies start {:.3g} rad off their orientation", name, angle));
+    const std::string place = fmt::format("joints[{}]", g.source);
+    if (!(distance <= largest_start_error))
+      throw DescriptionError(fmt::format("joint '{}': its points start {:.3g} m apart", name, distance), place);
+    if (angle <= largest_start_error) continue;
+    const auto frame = [&](const Pose& pose) { return Frame{pose.x, pose.q}; };
+    const Joint rigid{.type = g.type, .axis = g.axis, .orientation = g.orientation};
+    const double bent = bend(rigid, frame(bodies.pose_now(g.parent)), frame(bodies.pose_now(g.child)));  // not by its sine
+    throw DescriptionError(fmt::format("joint '{}': its bodies start {:.3g} rad off their orientation", name, bent), place);
   }
 }
 
