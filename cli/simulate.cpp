@@ -163,6 +163,15 @@ class Output {
   std::string refusal_;
 };
 
+void restart(physics::Simulator& simulator, const physics::Trajectory& trajectory, const physics::StepRecord& from,
+             const std::string& scene) {
+  try {
+    simulator.restart_from(from);
+  } catch (const DescriptionError& error) {
+    throw about_scene(scene, DescriptionError(error.what(), fmt::format("steps[{}]", &from - trajectory.steps.data())));
+  }
+}
+
 /// Records before the one to continue from, and that one, are kept as they are.
 void copy_records(const physics::Trajectory& trajectory, int last, Output& writer) {
   for (const physics::StepRecord& record : trajectory.steps)
@@ -198,7 +207,7 @@ int simulate(Options options) {
       options.from ? &find_record(source.trajectory, *options.from, options.scene) : nullptr;
   const int steps = number_of_steps(options, source);
   physics::Simulator simulator = make_simulator(source, options);
-  if (from) simulator.restart_from(*from);
+  if (from) restart(simulator, source.trajectory, *from, options.scene);
   options.tolerance = tolerance_used(options.tolerance, simulator.mechanism());
   note_coarse_step(simulator.mechanism());
   physics::StepRecord start;

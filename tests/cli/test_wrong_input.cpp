@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <string>
 
+#include "physics/scene_io.hpp"
 #include "program.hpp"
 
 namespace test_wrong_input {
@@ -98,6 +99,17 @@ TEST_F(WrongInput, AWrongValueOfARecordIsNamedWithItsLine) {
   write("t.json", trajectory);
   const std::string error = refused("simulate t.json --from 2 --steps 1");
   EXPECT_TRUE(error.starts_with("graphsolve: t.json:" + std::to_string(line) + ": record 2: body ")) << error;
+}
+
+/// What only the simulator looks at, with the line of the record.
+TEST_F(WrongInput, ARecordThatNoRunHasWrittenIsNamedWithItsFileAndLine) {
+  ASSERT_EQ(run("simulate pendulum:n=2 --steps 2 --out t.json").code, 0);
+  physics::Trajectory trajectory = physics::read_scene(path("t.json"));
+  trajectory.steps[1].bodies[1].position.z() += 2;
+  physics::write_trajectory_json(trajectory, path("t.json"));
+  const std::string line = std::to_string(physics::line_in_scene(path("t.json"), "steps[1]"));
+  EXPECT_EQ(refused("simulate t.json --from 1 --steps 1"),
+            "graphsolve: t.json:" + line + ": record 1: the points of joint 'joint 1' are 2 m apart\n");
 }
 
 TEST_F(WrongInput, TextsOfFilesAreQuotedInOneLineWithoutWhatATerminalObeys) {
