@@ -88,6 +88,55 @@ TEST(WrongArguments, AFactorizationSaysWhatHasToComeBefore) {
   f.solve_component(x, 0);  // the other component is sound
 }
 
+TEST(WrongArguments, WhatIsWrittenBeforeAllIsReadMustLieElsewhere) {
+  const TwoNodes two;
+  Factorization f(two.symbolic);
+  f.allow_refinement();
+  f.keep_matrix(true);
+  RobustSolver robust(two.graph);
+  std::vector<Triplet> entries;
+  for (const int node : {0, 1}) {
+    const BlockHandle h = two.symbolic->block({node}, {node}), r = robust.symbolic().block({node}, {node});
+    for (int i = 0; i < h.rows; ++i) f.entry(h, i, i) = robust.entry(r, i, i) = 2;
+  }
+  for (int i = 0; i < 3; ++i) entries.push_back({i, i, 2});
+  ASSERT_TRUE(f.factorize().ok());
+  std::vector<double> four{1, 2, 3, 4};
+  const std::span<double> x = std::span(four).first(3), shifted = std::span(four).last(3);
+  EXPECT_THROW((void)f.refine(x, x), std::invalid_argument);
+  EXPECT_THROW((void)f.refine_transposed(x, shifted), std::invalid_argument);
+  const SparseMatrix matrix = from_triplets(3, 3, entries);
+  EXPECT_THROW(multiply(matrix, x, shifted), std::invalid_argument);
+  const BlockStructure structure = detect_blocks(matrix);
+  EXPECT_THROW(structure.to_graph(x, x), std::invalid_argument);
+  EXPECT_THROW(structure.to_matrix(shifted, x), std::invalid_argument);
+  EXPECT_THROW((void)robust.solve(x, shifted), std::invalid_argument);
+  EXPECT_EQ(four, (std::vector<double>{1, 2, 3, 4}));
+  EXPECT_EQ(robust.solve(x, x).status, Status::solved) << "it reads first";
+  EXPECT_EQ(robust.solve_transposed(x, x).status, Status::solved);
+  EXPECT_EQ(four, (std::vector<double>{0.25, 0.5, 0.75, 4}));
+}
+
+TEST(WrongArguments, CholeskyDoesNotCallAnIndefiniteMatrixSingular) {
+  for (const auto kind : {FactorizationKind::cholesky, FactorizationKind::ldu}) {
+    const TwoNodes two;
+    Factorization f(two.symbolic, kind);
+    for (const int node : {0, 1}) {
+      const BlockHandle h = two.symbolic->block({node}, {node});
+      for (int i = 0; i < h.rows; ++i) f.entry(h, i, i) = node == 0 ? 2 : kind == FactorizationKind::ldu ? 0 : -2;
+    }
+    ASSERT_FALSE(f.factorize().ok());
+    std::vector<double> x(3, 1);
+    try {
+      f.solve(x);
+      ADD_FAILURE() << "solved";
+    } catch (const std::logic_error& error) {
+      EXPECT_EQ(std::string(error.what()), std::string("solve: there are no factors of component 1, whose node 1 is ") +
+                                               (kind == FactorizationKind::cholesky ? "not positive definite" : "singular"));
+    }
+  }
+}
+
 TEST(WrongArguments, ARobustSolverLooksAtBothSizes) {
   RobustSolver solver(TwoNodes().graph, {});
   std::vector<double> three(3, 1), two(2, 1);

@@ -112,6 +112,25 @@ TEST(BatchRun, TheLowestWrongCopyIsNamedForAnyThreads) {
   }
 }
 
+TEST(BatchRun, NamesWhatIsNotSet) {
+  const Mechanism scene = built_in_scene("sliding_box");
+  const auto error_of = [&](const BatchRun& run) -> std::string {
+    try {
+      run_batch(scene, run);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "ran";
+  };
+  BatchRun run = of(2, 8);
+  run.on_result = [](CopyResult&&) { return true; };
+  EXPECT_EQ(error_of(run), "run_batch: 'make' is not set, which gives each copy");
+  run.make = [&](long long) { return scene; };
+  EXPECT_EQ(error_of(run), "ran");
+  run.on_result = nullptr;
+  EXPECT_EQ(error_of(run), "run_batch: 'on_result' is not set, which takes the results");
+}
+
 TEST(BatchRun, EndsWhenTheReceiverHasEnough) {
   const Mechanism scene = built_in_scene("disc");
   BatchRun run = of(2, 4);

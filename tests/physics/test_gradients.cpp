@@ -190,6 +190,41 @@ TEST(StepGradient, OfMergedBodiesIsTakenByTheBodyThatMoves) {
   EXPECT_LE((by_turn - difference).norm(), 1e-6 * difference.norm());
 }
 
+/// docs/gradients.md: the velocities that the joints allow are what the first step is given.
+TEST(StepGradient, OfAFirstStepIsByTheCorrectedVelocities) {
+  Mechanism given = built_in_scene("pendulum:n=2,joint=revolute");
+  given.start = Start::standard;
+  given.bodies[1].velocity = Vec3(0.3, -0.7, 0.4);
+  Mechanism corrected = given;
+  StepRecord start;
+  Simulator(given).write_record(start);
+  for (std::size_t b = 0; b < given.bodies.size(); ++b) {
+    corrected.bodies[b].velocity = start.bodies[b].velocity;
+    corrected.bodies[b].angular_velocity = start.bodies[b].angular_velocity;
+  }
+  const auto next_velocity = [](const Mechanism& scene, StepInput input, Eigen::MatrixXd& jacobian) {
+    Simulator simulator(scene);
+    EXPECT_TRUE(simulator.step().ok());
+    StepGradient gradient(simulator);
+    EXPECT_EQ(gradient.evaluate(), GradientStatus::ready);
+    jacobian.resize(gradient.state_size(), gradient.columns(input));
+    gradient.jacobian(input, {jacobian.data(), static_cast<std::size_t>(jacobian.size())});
+    return Vec3(gradient.velocity(1).data());
+  };
+  Eigen::MatrixXd of_given, of_corrected, unused;
+  for (const StepInput input : {StepInput::state, StepInput::mass, StepInput::inertia}) {
+    (void)next_velocity(given, input, of_given);
+    (void)next_velocity(corrected, input, of_corrected);
+    EXPECT_LE((of_given - of_corrected).norm(), 1e-9 * of_corrected.norm()) << name_of(input);
+  }
+  // Not the derivative through the description, where the correction depends on masses.
+  (void)next_velocity(given, StepInput::mass, of_given);
+  Mechanism heavier = given;
+  heavier.bodies[1].mass += 1e-6;
+  const Vec3 difference = (next_velocity(heavier, StepInput::mass, unused) - next_velocity(given, StepInput::mass, unused)) / 1e-6;
+  EXPECT_GT((difference - of_given.col(1).segment<3>(18)).norm(), 0.01);
+}
+
 TEST(StepGradient, SaysWhyThereIsNone) {
   Simulator simulator(built_in_scene("sliding_box"));
   StepGradient gradient(simulator);
@@ -230,6 +265,7 @@ TEST(StepGradient, RejectsWrongSizesAndNumbersThatAreNotFinite) {
   std::vector<double> adjoint(gradient.state_size()), out(gradient.gradient_size());
   EXPECT_THROW(gradient.vector_jacobian(std::span(adjoint).first(3), out), std::invalid_argument);
   EXPECT_THROW(gradient.jacobian(StepInput::load, adjoint), std::invalid_argument);
+  EXPECT_THROW(gradient.vector_jacobian(std::span(out).first(adjoint.size()), out), std::invalid_argument) << "overlap";
   adjoint[3] = std::nan("");
   EXPECT_THROW(gradient.vector_jacobian(adjoint, out), std::invalid_argument);
 }

@@ -19,7 +19,8 @@ struct BlockStructure {
   std::int64_t added_entries = 0;  ///< entries that the matrix had not and that make its pattern symmetric: zeros
   bool symmetric = false;          ///< the matrix is, pattern and values
 
-  /// graph_rows[row_of[i]] := matrix_rows[i], and back. Lengths: rows(); another one throws std::invalid_argument.
+  /// graph_rows[row_of[i]] := matrix_rows[i], and back. Lengths: rows(). Throws std::invalid_argument for another
+  /// one, and where the two overlap.
   void to_graph(std::span<const double> matrix_rows, std::span<double> graph_rows) const;
   void to_matrix(std::span<const double> graph_rows, std::span<double> matrix_rows) const;
   /// Rows of the matrix that make up a node, from 0, in the order of the node's rows.

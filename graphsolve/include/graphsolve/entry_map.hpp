@@ -23,7 +23,8 @@ class EntryMap {
   /// Only what a factorization of this kind reads: of the symmetric ones a triangle. The rest stays as it is.
   EntryMap(const SparseMatrix& matrix, const BlockStructure& structure, const Symbolic& symbolic, FactorizationKind kind);
   /// factor_values := the matrix, zeros where it has none. `values` as in SparseMatrix::value, factor_values of
-  /// Symbolic::values_size(); other lengths throw std::invalid_argument. Allocates nothing.
+  /// Symbolic::values_size(); other lengths, and the two overlapping, throw std::invalid_argument.
+  /// Allocates nothing.
   void write(std::span<const double> values, std::span<double> factor_values) const;
 
  private:

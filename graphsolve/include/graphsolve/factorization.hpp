@@ -141,7 +141,7 @@ class Factorization {
   };
   /// x := refined solution of A x = b, until the componentwise backward error is <= 4 eps or no longer falls, in twice
   /// the precision where it must be. b stays. Throws std::logic_error where the last factorization of a component kept no
-  /// matrix.
+  /// matrix, std::invalid_argument where b and x overlap.
   Refinement refine(std::span<const double> b, std::span<double> x, int max_sweeps = 3);
   /// Several components, each until its own error is good; returns the most sweeps and the largest error.
   Refinement refine(std::span<const double> b, std::span<double> x, std::span<const int> components, int max_sweeps);

@@ -77,11 +77,12 @@ class RobustSolver {
   };
   /// Factors on the first rung. A solve does so by itself where values are not those that were factored.
   const Factorization::Outcome& factorize();
-  /// x := A^-1 b. x stays as it was when the status is not `solved`. Redundant rows: one solution, or `singular` with
+  /// x := A^-1 b. x stays as it was when the status is not `solved`; it may be b itself. Redundant rows: one solution, or `singular` with
   /// the names of the rows that b contradicts.
   Report solve(std::span<const double> b, std::span<double> x) { return solve(b, x, 1); }
   /// X := A^-1 B, both rows() x columns, column-major; each column is refined, climbs and is judged by itself. Columns that
-  /// are not solved stay as they were. Throws std::invalid_argument when B or X has another size.
+  /// are not solved stay as they were. Throws std::invalid_argument when B or X has another size, or when they overlap
+  /// without being the same.
   Report solve(std::span<const double> b, std::span<double> x, int columns);
   /// x := A^-T b; X := A^-T B. With the factors of A, refined against A^T. Where these will not do, or rows were left out,
   /// A^T is factored too (as much memory again, once per set of values) and climbs as A does: the outcome is its own then,

@@ -43,7 +43,8 @@ struct SymmetryReport {
 };
 SymmetryReport symmetry(const SparseMatrix& matrix);
 
-/// y := A x. x has `columns` entries, y has `rows`; another length throws std::invalid_argument, here and below.
+/// y := A x. x has `columns` entries, y has `rows`; another length throws std::invalid_argument, here and below;
+/// so do x and y that overlap.
 void multiply(const SparseMatrix& matrix, std::span<const double> x, std::span<double> y);
 
 /// Backward errors of a solution x of A x = b, with r = b - A x summed in long double; NaN when x holds one.

@@ -7,6 +7,7 @@
 #include "factorization/impl.hpp"
 #include "factorization/kernels.hpp"
 #include "factorization/rank_revealing.hpp"
+#include "graphsolve/overlap.hpp"
 #include "simd/pivot_kernels.hpp"
 
 /// Solving with the factors. Of single pivots they have the same form for all kinds, of packs simd::Form. Where there are
@@ -63,7 +64,8 @@ void Factorization::Impl::check_factored(std::span<const int> components) const 
     const std::string which = symbolic_->components() > 1 ? " of component " + std::to_string(c) : "";
     if (standing_.factor(c) == Standing::Factor::none) throw std::logic_error("solve: factorize()" + which + " comes first");
     throw std::logic_error("solve: there are no factors" + which + ", whose node " +
-                           std::to_string(symbolic_->node(outcomes_[c].first_bad_pivot).index) + " is singular");
+                           std::to_string(symbolic_->node(outcomes_[c].first_bad_pivot).index) +
+                           (kind_ == FactorizationKind::cholesky ? " is not positive definite" : " is singular"));
   }
 }
 
@@ -293,6 +295,7 @@ Factorization::Refinement Factorization::Impl::refine(std::span<const double> b,
                                                       std::span<const int> components, int max_sweeps, Side side) {
   check_size(b, 1);
   check_size(x, 1);
+  check_apart("refine", b, x);
   taking_part_.check(components);
   if (!std::ranges::all_of(components, [&](int c) { return standing_.is_kept(c); }))
     throw std::logic_error("refine: allow_refinement() and keep_matrix(true) come before factorize()");

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "graph/block_pattern.hpp"
+#include "graphsolve/overlap.hpp"
 
 namespace graphsolve {
 
@@ -28,11 +29,11 @@ std::vector<std::vector<int>> find_neighbours(const Pattern& pattern, std::span<
   return neighbours;
 }
 
-void check_sizes(const char* what, std::size_t from, std::size_t to, std::size_t needed_from, std::size_t needed_to) {
-  if (from == needed_from && to == needed_to) return;
-  throw std::invalid_argument(std::string(what) + ": " + std::to_string(from) + " numbers to " + std::to_string(to) +
-                              " places, where " + std::to_string(needed_from) + " to " + std::to_string(needed_to) +
-                              " are needed");
+void check_rows(const char* what, std::span<const double> from, std::span<const double> to, std::size_t rows) {
+  if (from.size() == rows && to.size() == rows) return check_apart(what, from, to);
+  throw std::invalid_argument(std::string(what) + ": " + std::to_string(from.size()) + " numbers to " +
+                              std::to_string(to.size()) + " places, where " + std::to_string(rows) + " to " +
+                              std::to_string(rows) + " are needed");
 }
 
 }  // namespace
@@ -66,12 +67,12 @@ BlockStructure build_structure(const SparseMatrix& matrix, const Pattern& patter
 }
 
 void BlockStructure::to_graph(std::span<const double> matrix_rows, std::span<double> graph_rows) const {
-  check_sizes("to_graph", matrix_rows.size(), graph_rows.size(), row_of.size(), row_of.size());
+  check_rows("to_graph", matrix_rows, graph_rows, row_of.size());
   for (std::size_t i = 0; i < row_of.size(); ++i) graph_rows[row_of[i]] = matrix_rows[i];
 }
 
 void BlockStructure::to_matrix(std::span<const double> graph_rows, std::span<double> matrix_rows) const {
-  check_sizes("to_matrix", graph_rows.size(), matrix_rows.size(), row_of.size(), row_of.size());
+  check_rows("to_matrix", graph_rows, matrix_rows, row_of.size());
   for (std::size_t i = 0; i < row_of.size(); ++i) matrix_rows[i] = graph_rows[row_of[i]];
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "graphsolve/factorization.hpp"
+#include "graphsolve/overlap.hpp"
 #include "simd/program.hpp"
 #include "symbolic/same_nodes.hpp"
 
@@ -113,6 +114,7 @@ void EntryMap::write(std::span<const double> values, std::span<double> factor_va
     throw std::invalid_argument("entry map: " + std::to_string(values.size()) + " numbers to " +
                                 std::to_string(factor_values.size()) + " places, where " + std::to_string(entries_) +
                                 " to " + std::to_string(values_size_) + " are needed");
+  check_apart("entry map", values, factor_values);
   for (const auto& [begin, end] : gaps_) std::fill(factor_values.begin() + begin, factor_values.begin() + end, 0.0);
   for (const Run& run : runs_) {
     const double* from = values.data() + run.number;

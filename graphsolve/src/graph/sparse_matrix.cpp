@@ -6,6 +6,7 @@
 #include <string>
 
 #include "graphsolve/largest.hpp"
+#include "graphsolve/overlap.hpp"
 
 namespace graphsolve {
 
@@ -133,6 +134,7 @@ SymmetryReport symmetry(const SparseMatrix& matrix) {
 void multiply(const SparseMatrix& matrix, std::span<const double> x, std::span<double> y) {
   check_length("x", x.size(), matrix.columns);
   check_length("y", y.size(), matrix.rows);
+  check_apart("multiply", x, y);
   std::fill(y.begin(), y.end(), 0.0);
   for (int j = 0; j < matrix.columns; ++j)
     for (std::int64_t k = matrix.begin[j]; k < matrix.begin[j + 1]; ++k) y[matrix.row[k]] += matrix.value[k] * x[j];

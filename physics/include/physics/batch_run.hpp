@@ -57,8 +57,8 @@ class CopyError : public DescriptionError {
 };
 
 /// Makes every copy's steps until they are done or one fails; its lane then takes the next copy. A copy's result does
-/// not depend on lanes or threads, to the bit. Throws CopyError when a copy is wrong or does not fit the scene; results
-/// of copies before it may have been handed out.
+/// not depend on lanes or threads, to the bit. Throws std::invalid_argument when `make` or `on_result` is unset, CopyError
+/// when a copy is wrong or does not fit the scene; results of copies before it may have been handed out.
 void run_batch(const Mechanism& scene, const BatchRun& run);
 
 }  // namespace physics

@@ -76,8 +76,8 @@ class StepGradient {
   [[nodiscard]] int gradient_size() const;            ///< all inputs, in the order of StepInput
 
   /// gradient := J^T adjoint: from the derivative of a scalar by the next state (state_size) to that by all inputs
-  /// (gradient_size). One transposed solve. Throws std::invalid_argument for a wrong size or a number that is not
-  /// finite, std::logic_error when evaluate() did not return `ready`.
+  /// (gradient_size). One transposed solve. Throws std::invalid_argument for a wrong size, a number that is not
+  /// finite and spans that overlap, std::logic_error when evaluate() did not return `ready`.
   void vector_jacobian(std::span<const double> adjoint, std::span<double> gradient);
   /// jacobian := d next state / d input, column-major, state_size x columns(input). Throws as above.
   void jacobian(StepInput input, std::span<double> jacobian);

@@ -6,6 +6,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <stdexcept>
 
 #include "batch/parallel_for.hpp"
 #include "physics/run.hpp"
@@ -158,6 +159,8 @@ CopyError::CopyError(long long copy, const DescriptionError& error)
     : DescriptionError(fmt::format("copy {}: {}", copy, error.what()), error.place()), copy_(copy), reason_(error.what()) {}
 
 void run_batch(const Mechanism& scene, const BatchRun& run) {
+  if (!run.make) throw std::invalid_argument("run_batch: 'make' is not set, which gives each copy");
+  if (!run.on_result) throw std::invalid_argument("run_batch: 'on_result' is not set, which takes the results");
   const long long copies = run.last - run.first;
   if (copies <= 0) return;
   BatchRun used = run;

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "gradients/gradients_impl.hpp"
+#include "graphsolve/overlap.hpp"
 
 /// The interface, and the linearisation of a step. What is made of it: gradients_products.cpp.
 namespace physics {
@@ -187,6 +188,7 @@ void StepGradient::vector_jacobian(std::span<const double> adjoint, std::span<do
   impl_->check("the gradient", gradient.size(), gradient_size());
   for (std::size_t i = 0; i < adjoint.size(); ++i)
     if (!std::isfinite(adjoint[i])) throw std::invalid_argument(fmt::format("the adjoint has {} at {}", adjoint[i], i));
+  graphsolve::check_apart("vector_jacobian", adjoint, gradient);
   impl_->vector_jacobian(adjoint, gradient);
 }
 
