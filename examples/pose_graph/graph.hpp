@@ -28,8 +28,9 @@ struct Graph {
     typename S::Matrix information;
   };
   int poses = 0;
+  std::vector<long> ids;  ///< of the poses in the file
   std::vector<Edge> edges;
-  std::vector<typename S::Pose> guess;  ///< the file's own; empty when it does not give all of them
+  std::vector<typename S::Pose> guess;  ///< the file's own; empty when it gives none
   std::map<std::string, int> passed_over;  ///< lines that were not taken up, by their first word
 };
 
@@ -56,65 +57,89 @@ void check_information(const Matrix& information, const std::string& edge) {
   throw std::runtime_error(text.str());
 }
 
-/// Reads the vertices and edges of one space from a .g2o file; other lines (landmarks, FIX, parameters) are passed
-/// over and counted.
+/// A measured relative pose as it stands in a file.
+template <class S>
+struct Line {
+  int number;
+  long from, to;
+  typename S::Pose measured;
+  typename S::Matrix information;
+};
+
+/// Throws std::runtime_error, which begins with `where`, unless the numbers of a line were read and nothing follows.
+inline void check_end(std::istringstream& in, const std::string& line, const std::string& tag,
+                      const std::string& where) {
+  if (!in) throw std::runtime_error(where + about_numbers(line, tag));
+  if (std::string extra; in >> extra)
+    throw std::runtime_error(where + "'" + extra + "' follows the last number of " + tag);
+}
+
+/// The rest of a line that begins with S::edge_tag.
+template <class S>
+Line<S> read_edge(std::istringstream& in, const std::string& line, int number, const std::string& where) {
+  Line<S> e{};
+  e.number = number;
+  in >> e.from >> e.to;
+  e.measured = S::read(in);
+  for (int i = 0; i < S::size; ++i)
+    for (int j = i; j < S::size; ++j) {
+      in >> e.information(i, j);
+      e.information(j, i) = e.information(i, j);
+    }
+  check_end(in, line, S::edge_tag, where);
+  if (!S::turns(e.measured)) throw std::runtime_error(where + "a quaternion of length 0");
+  const std::string edge = "an edge from pose " + std::to_string(e.from) + " to ";
+  if (e.from == e.to) throw std::runtime_error(where + edge + "itself");
+  check_information(e.information, where + edge + std::to_string(e.to));
+  return e;
+}
+
+/// Reads the vertices and edges of one space from a .g2o file, with vertices for all poses or for none; other lines
+/// (landmarks, FIX, parameters) are passed over and counted.
 /// Throws std::runtime_error with file, line and what is wrong there.
 template <class S>
 Graph<S> read_g2o(const std::string& path) {
   if (std::filesystem::is_directory(path)) throw std::runtime_error(path + ": cannot be read: it is a folder");
   std::ifstream file(path);
   if (!file) throw std::runtime_error(path + ": cannot be read: " + std::generic_category().message(errno));
+  const auto where = [&](int number) { return path + ", line " + std::to_string(number) + ": "; };
   std::map<long, typename S::Pose> vertices;
   std::map<long, int> number;
-  struct Named {
-    long from, to;
-    typename S::Pose measured;
-    typename S::Matrix information;
-  };
-  std::vector<Named> edges;
-  std::map<std::string, int> passed_over;
+  std::vector<Line<S>> edges;
+  Graph<S> graph;
   std::string line, tag;
-  typename S::Pose last;
   for (int count = 1; std::getline(file, line); ++count) {
     std::istringstream in(line);
     if (!(in >> tag)) continue;
     if (tag == S::vertex_tag) {
       long id = 0;
       in >> id;
-      vertices[id] = last = S::read(in);
+      const typename S::Pose pose = S::read(in);
+      check_end(in, line, tag, where(count));
+      if (!S::turns(pose)) throw std::runtime_error(where(count) + "a quaternion of length 0");
+      if (!vertices.emplace(id, pose).second)
+        throw std::runtime_error(where(count) + "a second " + tag + " of pose " + std::to_string(id));
       number[id] = 0;
     } else if (tag == S::edge_tag) {
-      Named e{};
-      in >> e.from >> e.to;
-      e.measured = S::read(in);
-      for (int i = 0; i < S::size; ++i)
-        for (int j = i; j < S::size; ++j) {
-          in >> e.information(i, j);
-          e.information(j, i) = e.information(i, j);
-        }
-      number[e.from] = number[e.to] = 0;
-      edges.push_back(e);
+      edges.push_back(read_edge<S>(in, line, count, where(count)));
+      number[edges.back().from] = number[edges.back().to] = 0;
     } else {
-      ++passed_over[tag];
-      continue;
+      ++graph.passed_over[tag];
     }
-    const std::string where = path + ", line " + std::to_string(count) + ": ";
-    if (!in) throw std::runtime_error(where + about_numbers(line, tag));
-    if (!S::turns(tag == S::edge_tag ? edges.back().measured : last))
-      throw std::runtime_error(where + "a quaternion of length 0");
-    if (tag != S::edge_tag) continue;
-    const Named& e = edges.back();
-    const std::string edge = "an edge from pose " + std::to_string(e.from) + " to ";
-    if (e.from == e.to) throw std::runtime_error(where + edge + "itself");
-    check_information(e.information, where + edge + std::to_string(e.to));
   }
   if (edges.empty()) throw std::runtime_error(path + ": no line begins with " + S::edge_tag);
-  Graph<S> graph;
-  graph.passed_over = std::move(passed_over);
-  for (auto& [id, index] : number) index = graph.poses++;
-  for (const Named& e : edges) graph.edges.push_back({number[e.from], number[e.to], e.measured, e.information});
-  if (static_cast<int>(vertices.size()) == graph.poses)
-    for (const auto& [id, pose] : vertices) graph.guess.push_back(pose);
+  for (const Line<S>& e : edges)
+    for (const long id : {e.from, e.to})
+      if (!vertices.empty() && !vertices.contains(id))
+        throw std::runtime_error(where(e.number) + "an edge from pose " + std::to_string(e.from) + " to " +
+                                 std::to_string(e.to) + ", but there is no " + S::vertex_tag + " of pose " +
+                                 std::to_string(id));
+  for (auto& [id, index] : number) {
+    index = graph.poses++;
+    graph.ids.push_back(id);
+  }
+  for (const Line<S>& e : edges) graph.edges.push_back({number[e.from], number[e.to], e.measured, e.information});
+  for (const auto& [id, pose] : vertices) graph.guess.push_back(pose);
   return graph;
 }
 
@@ -151,7 +176,8 @@ std::vector<typename S::Pose> add_up(const Graph<S>& graph, Walk walk) {
   }
   const auto lost = std::find(known.begin(), known.end(), 0);
   if (lost != known.end())
-    throw std::runtime_error("no edges lead from the first pose to pose number " + std::to_string(lost - known.begin()));
+    throw std::runtime_error("no edges lead from pose " + std::to_string(graph.ids[0]) + " to pose " +
+                             std::to_string(graph.ids[lost - known.begin()]));
   return pose;
 }
 
