@@ -81,6 +81,10 @@ TEST(BlockMapFile, EveryMistakeIsNamedWithItsPlace) {
   EXPECT_EQ(error_of("[3, 0]"), "map.json:1: [1]: 0 is no whole number from 1 on");
   EXPECT_EQ(error_of("[3, 1.5]"), "map.json:1: [1]: 1.5 is no whole number from 1 on");
   EXPECT_EQ(error_of("[2000000000]"), "map.json:1: [0]: 2000000000 rows are more than a block may have (16384)");
+  EXPECT_EQ(error_of("9999999999"), "map.json:1: [0]: 9999999999 is more than the 2147483647 supported");
+  EXPECT_EQ(error_of("[18446744073709551615]"), "map.json:1: [0]: 18446744073709551615 is more than the 2147483647 supported");
+  EXPECT_EQ(error_of("[99999999999999999999]"), "map.json:1: [0]: 1e+20 is more than the 2147483647 supported");
+  EXPECT_EQ(error_of("[-9999999999]"), "map.json:1: [0]: -9999999999 is no whole number from 1 on");
   EXPECT_EQ(error_of("{}"), "map.json: the key 'format' must be 'graphsolve-blocks'");
   EXPECT_EQ(error_of(R"({"format": "graphsolve-blocks", "version": 2, "blocks": [1]})"),
             "map.json: the key 'version' must be 1");
@@ -148,7 +152,7 @@ TEST(BlockMapFile, NamesThatAreNotUtf8AreRefusedBeforeAnythingIsWritten) {
     (void)block_map_json(map);
     FAIL() << "written";
   } catch (const std::invalid_argument& error) {
-    EXPECT_STREQ(error.what(), "the name of block 1, 'Tr?ger', is not UTF-8, which JSON must be; give it another one");
+    EXPECT_STREQ(error.what(), "the name of block 1, 'Tr\xef\xbf\xbdger', is not UTF-8, which JSON must be; give it another one");
   }
   map.blocks[1].name = "Tr\xc3\xa4ger \"\n";
   EXPECT_EQ(parse_block_map(block_map_json(map)).blocks[1].name, map.blocks[1].name);

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "graphsolve/fill_analysis.hpp"
 #include "graphsolve/io/draw.hpp"
 #include "support/graph_families.hpp"
@@ -52,6 +54,29 @@ TEST(FillPicture, CausesGetColoursByTheirWeightAndTheRestShareOne) {
   EXPECT_NE(svg.find("smaller causes"), std::string::npos);
   EXPECT_EQ(occurrences(svg, "of the fill</text>"), 8);
   EXPECT_EQ(occurrences(svg, ", fill: "), 2 * fills);
+}
+
+TEST(Pictures, ShowAReplacementForWhatXmlAndDotCannotHold) {
+  const std::vector<std::string> names{"nul" + std::string(1, '\0') + "x", "bad\xff", "surrogate\xed\xa0\x80",
+                                       "overlong\xc0\xaf", "last\xef\xbf\xbf", "last\xef\xbf\xbe", "cut\xe6\xbc",
+                                       "bell\x07\x7f", "beyond\xf4\x90\x80\x80", "\xf8"};
+  BlockGraph graph;
+  for (const std::string& name : names) graph.add_node(name, 1);
+  const NodeId last = graph.add_node("a\tb \xc3\xbc \xe6\xbc\xa2 \xf0\x9f\x98\x80 \"q\" \\N", 1);
+  graph.add_edge({0}, last);
+  const Symbolic symbolic(graph, minimum_fill_ordering(graph));
+  io::SpyOptions options;
+  options.title = "t\x01\xff";
+  options.subtitle = "s\xef\xbf\xbf";
+  options.causes.names = {"c\x02"};
+  const std::string svg = io::spy_svg(graph, symbolic, options);
+  for (const std::string& picture : {svg, io::graph_dot(graph), io::tree_dot(graph, symbolic)}) {
+    EXPECT_TRUE(std::ranges::none_of(picture, [](unsigned char c) { return (c < 0x20 && c != '\n') || c == 0x7f; }));
+    for (const char* bad : {"\xff", "\xed\xa0", "\xc0", "\xef\xbf\xbf", "\xef\xbf\xbe", "\xf4", "\xf8", "\xe6\xbc "})
+      EXPECT_EQ(picture.find(bad), std::string::npos);
+    for (const char* good : {"nul\xef\xbf\xbdx", "bad\xef\xbf\xbd", "cut\xef\xbf\xbd", "a b \xc3\xbc \xe6\xbc\xa2 \xf0\x9f\x98\x80"})
+      EXPECT_NE(picture.find(good), std::string::npos) << good;
+  }
 }
 
 TEST(GraphPicture, EveryNodeAndEdgeIsThereOnce) {

@@ -136,7 +136,45 @@ TEST(MatrixMarket, BlanksCommentsAndWindowsLinesMayStandAnywhere) {
   EXPECT_EQ(parse_matrix_market(file("coordinate real general", "1 1 1\n1 1 1e-400\n")).matrix.value[0], 0);
 }
 
+TEST(MatrixMarket, LinesMayAllEndInCrAndAByteOrderMarkMayStandFirst) {
+  std::string text = file("coordinate real general", "% a\n2 2 2\n1 1 1\n\n2 2 -.5\n");
+  EXPECT_EQ(parse_matrix_market("\xef\xbb\xbf" + text).matrix.value, (std::vector<double>{1, -0.5}));
+  std::replace(text.begin(), text.end(), '\n', '\r');
+  EXPECT_EQ(parse_matrix_market(text).matrix.value, (std::vector<double>{1, -0.5}));
+  EXPECT_EQ(error_of(text + "1 1 1\r"), "a.mtx:7: a line follows the last entry: there are more than the size line says");
+  // Nor is such a file one line to who reads it from disk.
+  const std::string path = (fs::temp_directory_path() / "graphsolve_cr.mtx").string();
+  std::string longer = file("array real general", "40000 1\n");
+  for (int i = 0; i < 40000; ++i) longer += "1.5\n";
+  std::replace(longer.begin(), longer.end(), '\n', '\r');
+  write_text(longer, path);
+  EXPECT_EQ(read_dense_matrix_market(path).value.back(), 1.5);
+  fs::remove(path);
+}
+
+TEST(MatrixMarket, IntegersThatADoubleRoundsAreRefused) {
+  const std::string largest = "9007199254740992";
+  const auto entry = [](const std::string& value) {
+    return error_of(file("coordinate integer general", "1 1 1\n1 1 " + value + "\n"));
+  };
+  EXPECT_EQ(entry(largest), "accepted");
+  EXPECT_EQ(entry("-" + largest), "accepted");
+  const std::string beyond = " lies beyond 2^53, where a double does not hold every integer";
+  EXPECT_EQ(entry("9007199254740993"), "a.mtx:3: the value 9007199254740993" + beyond);
+  EXPECT_EQ(entry("-9007199254740994"), "a.mtx:3: the value -9007199254740994" + beyond);
+  EXPECT_EQ(entry("99999999999999999999"), "a.mtx:3: the value '99999999999999999999' is too large");
+  const std::string sum = file("coordinate integer general", "1 1 2\n1 1 " + largest + "\n1 1 2\n");
+  EXPECT_EQ(error_of(sum), "a.mtx: the repeated entries (1, 1) add up to an integer beyond 2^53, where a double does not "
+                           "hold every one");
+  EXPECT_THROW((void)parse_dense_matrix_market(sum), FileError);
+  EXPECT_EQ(error_of(file("coordinate real general", "1 1 1\n1 1 9007199254740993\n")), "accepted") << "reals are rounded";
+}
+
 TEST(MatrixMarket, EveryMalformedFirstLineIsNamed) {
+  const std::string begins = "a.mtx:1: this is no Matrix Market file: it begins with ";
+  EXPECT_EQ(error_of("%MatrixMarket matrix\n"), begins + "'%MatrixMarket', not '%%MatrixMarket'");
+  EXPECT_EQ(error_of("\xff\x01%%MatrixMarket\n"), begins + "'\xef\xbf\xbd\xef\xbf\xbd%%MatrixMarket', not '%%MatrixMarket'");
+  EXPECT_EQ(error_of("%%MatrixMarket Vector array real general\n"), "a.mtx:1: the object must be 'matrix', not 'Vector'");
   EXPECT_EQ(error_of(""), "a.mtx: the file is empty");
   EXPECT_EQ(error_of("1 1 1\n"),
             "a.mtx:1: this is no Matrix Market file: it begins with '1', not '%%MatrixMarket'");
@@ -226,6 +264,11 @@ TEST(MatrixMarket, WhatCannotBeWrittenIsRefused) {
   const SparseMatrix matrix = from_triplets(2, 2, upper);
   EXPECT_THROW((void)matrix_market(matrix, {.symmetry = Symmetry::symmetric}), std::invalid_argument);
   EXPECT_THROW((void)matrix_market(matrix, {.field = Field::integer}), std::invalid_argument);
+  const std::vector<Triplet> signs{{0, 1, 0.0}, {1, 0, -0.0}}, zeros{{0, 1, 0.0}, {1, 0, 0.0}};
+  EXPECT_THROW((void)matrix_market(from_triplets(2, 2, signs), {.symmetry = Symmetry::symmetric}), std::invalid_argument);
+  EXPECT_EQ(parse_matrix_market(matrix_market(from_triplets(2, 2, zeros), {.symmetry = Symmetry::skew_symmetric})).matrix.entries(), 2);
+  const std::vector<Triplet> large{{0, 0, 0x1p53 + 2}};
+  EXPECT_THROW((void)matrix_market(from_triplets(1, 1, large), {.field = Field::integer}), std::invalid_argument);
   const std::vector<Triplet> bad{{0, 0, std::nan("")}};
   EXPECT_THROW((void)matrix_market(from_triplets(1, 1, bad)), std::invalid_argument);
   EXPECT_THROW((void)matrix_market(std::vector<double>{1, 2, 3}, 2), std::invalid_argument);

@@ -34,6 +34,15 @@ TEST(EigenConversion, BothWaysKeepEveryBitAndExplicitZeros) {
   EXPECT_EQ(from_eigen(2.0 * to_eigen(back)).value[1], 1);
 }
 
+TEST(EigenConversion, AnIndexTypeThatCannotCountRowsColumnsOrEntriesIsRefused) {
+  const std::vector<Triplet> one{{0, 0, 1.0}}, low{{39999, 0, 1.0}}, right{{0, 39999, 1.0}};
+  EXPECT_THROW((void)to_eigen<short>(from_triplets(40000, 1, low)), std::invalid_argument);
+  EXPECT_THROW((void)to_eigen<short>(from_triplets(1, 40000, right)), std::invalid_argument);
+  EXPECT_THROW((void)to_eigen<short>(from_triplets(40000, 1, one)), std::invalid_argument);
+  EXPECT_EQ(to_eigen<int>(from_triplets(40000, 1, low)).coeff(39999, 0), 1.0);
+  EXPECT_EQ(to_eigen<short>(from_triplets(32767, 1, one)).coeff(0, 0), 1.0);
+}
+
 TEST(SparseMatrixTools, ProductsAndBackwardErrorsAreThoseOfDenseMatrices) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;

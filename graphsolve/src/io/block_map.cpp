@@ -11,6 +11,7 @@
 #include "graph/block_pattern.hpp"
 #include "graphsolve/io/json_lines.hpp"
 #include "graphsolve/io/text_file.hpp"
+#include "io/shown.hpp"
 
 namespace graphsolve::io {
 
@@ -59,7 +60,12 @@ class Reader {
   }
 
   int integer(const Json& value, const std::string& where, int least) const {
-    if (value.is_number_integer() && value >= least && value <= std::numeric_limits<int>::max()) return value.get<int>();
+    constexpr int most = std::numeric_limits<int>::max();
+    const double number = value.is_number() ? value.get<double>() : 0;
+    // Integers beyond 64 bits are read as reals.
+    if (number > most && (value.is_number_integer() || number >= 0x1p64))
+      fail(where, show(value) + " is more than the " + std::to_string(most) + " supported");
+    if (value.is_number_integer() && number >= least) return value.get<int>();
     fail(where, show(value) + " is no whole number from " + std::to_string(least) + " on");
   }
 
@@ -209,13 +215,6 @@ bool is_utf8(const std::string& text) {
   }
 }
 
-/// With a question mark in place of each byte that is not ASCII.
-std::string printable(const std::string& text) {
-  std::string shown;
-  for (const char c : text) shown += static_cast<unsigned char>(c) < 0x80 ? c : '?';
-  return shown;
-}
-
 }  // namespace
 
 BlockMap parse_block_map(std::string_view text, std::string_view name) {
@@ -263,7 +262,7 @@ std::string block_map_json(const BlockMap& map) {
   for (const Block& block : map.blocks) {
     if (!is_utf8(block.name))
       throw std::invalid_argument("the name of block " + std::to_string(&block - map.blocks.data()) + ", '" +
-                                  printable(block.name) + "', is not UTF-8, which JSON must be; give it another one");
+                                  shown(block.name) + "', is not UTF-8, which JSON must be; give it another one");
     Json json{{"name", block.name}};
     bool consecutive = true;
     for (const int row : block.rows) consecutive = consecutive && row == next++;

@@ -1,4 +1,5 @@
 #include "graphsolve/io/draw.hpp"
+#include "io/shown.hpp"
 
 namespace graphsolve::io {
 
@@ -6,9 +7,9 @@ namespace {
 
 std::string dot_string(std::string_view name) {
   std::string text = "\"";
-  for (const char c : name) {
+  for (const char c : shown(name)) {
     if (c == '"' || c == '\\') text += '\\';
-    text += c == '\n' ? ' ' : c;
+    text += c;
   }
   return text + "\"";
 }

@@ -4,6 +4,8 @@
 #include <cctype>
 #include <limits>
 
+#include "io/shown.hpp"
+
 namespace graphsolve::io {
 
 namespace {
@@ -12,7 +14,7 @@ constexpr std::string_view blanks = " \t\r\f\v";
 
 std::string in_quotes(std::string_view word) {
   constexpr std::size_t most = 40;
-  return "'" + std::string(word.substr(0, most)) + (word.size() > most ? "..." : "") + "'";
+  return "'" + shown(word.substr(0, most)) + (word.size() > most ? "..." : "") + "'";
 }
 
 /// from_chars takes no plus sign.
@@ -30,9 +32,14 @@ std::string lower(std::string_view word) {
 
 }  // namespace
 
+Lines::Lines(std::string_view text, std::string_view name)
+    : text_(text), name_(name), line_end_(text.find('\n') == std::string_view::npos ? '\r' : '\n') {
+  if (constexpr std::string_view mark = "\xef\xbb\xbf"; text.starts_with(mark)) at_ = mark.size();
+}
+
 bool Lines::next_raw() {
   if (at_ >= text_.size()) return false;
-  const std::size_t end = std::min(text_.find('\n', at_), text_.size());
+  const std::size_t end = std::min(text_.find(line_end_, at_), text_.size());
   rest_ = text_.substr(at_, end - at_);
   at_ = end + 1;
   ++line_;
@@ -94,24 +101,27 @@ namespace {
 
 Header read_banner(Lines& lines) {
   if (!lines.next_raw()) lines.fail_file("the file is empty");
-  const std::string first(lines.word()), object = lower(lines.word()), format = lower(lines.word()),
-                    field = lower(lines.word()), symmetry = lower(lines.word());
+  // Errors quote the words as they stand in the file.
+  const std::string_view first = lines.word();
   if (lower(first) != "%%matrixmarket")
     lines.fail("this is no Matrix Market file: it begins with " + in_quotes(first) + ", not '%%MatrixMarket'");
-  if (object != "matrix") lines.fail("the object must be 'matrix', not " + in_quotes(object));
+  const std::string_view object_word = lines.word(), format_word = lines.word(), field_word = lines.word(),
+                         symmetry_word = lines.word();
+  const std::string format = lower(format_word), field = lower(field_word), symmetry = lower(symmetry_word);
+  if (lower(object_word) != "matrix") lines.fail("the object must be 'matrix', not " + in_quotes(object_word));
   Header header;
   if (format == "array") header.format = Header::Format::array;
-  else if (format != "coordinate") lines.fail("the format must be 'coordinate' or 'array', not " + in_quotes(format));
+  else if (format != "coordinate") lines.fail("the format must be 'coordinate' or 'array', not " + in_quotes(format_word));
   if (field == "integer") header.field = Field::integer;
   else if (field == "pattern") header.field = Field::pattern;
   else if (field == "complex") lines.fail("complex values are not supported");
   else if (field != "real" && field != "double")
-    lines.fail("the field must be 'real', 'integer' or 'pattern', not " + in_quotes(field));
+    lines.fail("the field must be 'real', 'integer' or 'pattern', not " + in_quotes(field_word));
   if (symmetry == "symmetric") header.symmetry = Symmetry::symmetric;
   else if (symmetry == "skew-symmetric") header.symmetry = Symmetry::skew_symmetric;
   else if (symmetry == "hermitian") lines.fail("Hermitian matrices are not supported");
   else if (symmetry != "general")
-    lines.fail("the symmetry must be 'general', 'symmetric' or 'skew-symmetric', not " + in_quotes(symmetry));
+    lines.fail("the symmetry must be 'general', 'symmetric' or 'skew-symmetric', not " + in_quotes(symmetry_word));
   lines.end();
   if (header.field == Field::pattern && header.format == Header::Format::array)
     lines.fail("an 'array' cannot be a 'pattern'");
@@ -172,8 +182,11 @@ Place read_place(Lines& lines, const Header& header) {
 }
 
 double read_value(Lines& lines, const Header& header) {
-  if (header.field == Field::integer) return static_cast<double>(lines.integer("value"));
-  return lines.number("value");
+  if (header.field != Field::integer) return lines.number("value");
+  const std::int64_t value = lines.integer("value");
+  if (value > largest_integer || value < -largest_integer)
+    lines.fail("the value " + std::to_string(value) + " lies beyond 2^53, where a double does not hold every integer");
+  return static_cast<double>(value);
 }
 
 void too_few(const Lines& lines, const Header& header, std::int64_t got) {

@@ -10,6 +10,9 @@
 
 namespace graphsolve::io {
 
+/// 2^53: up to here every integer is a double.
+constexpr std::int64_t largest_integer = std::int64_t{1} << 53;
+
 /// The first line and the size line of a file.
 struct Header {
   enum class Format { coordinate, array };
@@ -20,10 +23,11 @@ struct Header {
   std::int64_t entries = 0;  ///< lines that must follow
 };
 
-/// Walks the lines of a text, word by word, and knows where it is.
+/// Walks the lines of a text, word by word, and knows where it is. Lines end in LF or CR LF; in a text without LF, in CR,
+/// as those of old programs. A byte order mark of UTF-8 is passed over.
 class Lines {
  public:
-  Lines(std::string_view text, std::string_view name) : text_(text), name_(name) {}
+  Lines(std::string_view text, std::string_view name);
 
   /// Moves to the next line that has words and is no comment; false at the end.
   bool next();
@@ -44,6 +48,7 @@ class Lines {
 
  private:
   std::string_view text_, name_, rest_;
+  char line_end_;
   std::size_t at_ = 0;
   std::int64_t line_ = 0;
 };

@@ -14,6 +14,13 @@ std::size_t room(const Lines& lines, const Header& header) {
 
 constexpr std::size_t longest_line = 1 << 16;
 
+/// Of entries that were read one by one; nullptr: nothing.
+const char* wrong_sum(const Header& header, double value) {
+  if (!std::isfinite(value)) return "no finite value";
+  const bool beyond = header.field == Field::integer && std::abs(value) > static_cast<double>(largest_integer);
+  return beyond ? "an integer beyond 2^53, where a double does not hold every one" : nullptr;
+}
+
 double mirrored(Symmetry symmetry, double value) { return symmetry == Symmetry::skew_symmetric ? -value : value; }
 
 }  // namespace
@@ -41,9 +48,9 @@ MatrixFile parse_matrix_market(std::string_view text, std::string_view name) {
   if (header.field == Field::pattern) std::fill(file.matrix.value.begin(), file.matrix.value.end(), 1.0);
   for (int j = 0; j < file.matrix.columns; ++j)
     for (std::int64_t k = file.matrix.begin[j]; k < file.matrix.begin[j + 1]; ++k)
-      if (!std::isfinite(file.matrix.value[k]))
+      if (const char* wrong = wrong_sum(header, file.matrix.value[k]))
         lines.fail_file("the repeated entries (" + std::to_string(file.matrix.row[k] + 1) + ", " + std::to_string(j + 1) +
-                        ") add up to no finite value");
+                        ") add up to " + wrong);
   return file;
 }
 
@@ -63,7 +70,7 @@ DenseMatrix parse_dense_matrix_market(std::string_view text, std::string_view na
   };
   for_each_entry(lines, header, [&](int i, int j, double value) {
     at(i, j) += value;
-    if (!std::isfinite(at(i, j))) lines.fail("the repeated entries here add up to no finite value");
+    if (const char* wrong = wrong_sum(header, at(i, j))) lines.fail(std::string("the repeated entries here add up to ") + wrong);
     if (both && i != j) at(j, i) += mirrored(header.symmetry, value);
   });
   return dense;

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "graphsolve/io/matrix_market.hpp"
+#include "io/matrix_market_lines.hpp"
 
 namespace graphsolve::io {
 
@@ -37,9 +37,10 @@ std::string place(int i, int j) { return "entry (" + std::to_string(i + 1) + ", 
 
 void check_value(int i, int j, double value, Field field) {
   if (!std::isfinite(value)) throw std::invalid_argument(place(i, j) + " is not finite");
-  // Beyond 2^53 not every integer is a double, and the reader takes 64 bits at most.
-  if (field == Field::integer && (value != std::trunc(value) || std::abs(value) > 9007199254740992.0))
-    throw std::invalid_argument(place(i, j) + " is no integer: " + std::to_string(value));
+  if (field != Field::integer) return;
+  if (value != std::trunc(value)) throw std::invalid_argument(place(i, j) + " is no integer: " + std::to_string(value));
+  if (std::abs(value) > static_cast<double>(largest_integer))
+    throw std::invalid_argument(place(i, j) + " lies beyond 2^53, where a double does not hold every integer");
 }
 
 void check_symmetry(const SparseMatrix& matrix, Symmetry kind) {
@@ -52,6 +53,10 @@ void check_symmetry(const SparseMatrix& matrix, Symmetry kind) {
       if (sign < 0 && matrix.row[k] == j) throw std::invalid_argument(place(j, j) + " of a skew-symmetric matrix");
       if (other.value[k] != sign * matrix.value[k])
         throw std::invalid_argument(place(matrix.row[k], j) + " has no equal on the other side of the diagonal");
+      // Only one of the two is written. Skew zeros come in any signs, from A - A^T in equal ones; nothing depends on them.
+      if (kind == Symmetry::symmetric && std::signbit(other.value[k]) != std::signbit(matrix.value[k]))
+        throw std::invalid_argument(place(matrix.row[k], j) + " is a zero of another sign than that on the other side of " +
+                                    "the diagonal");
     }
   }
 }

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "graphsolve/io/draw.hpp"
+#include "io/shown.hpp"
 
 namespace graphsolve::io {
 
@@ -26,12 +27,11 @@ std::string number(double value) {
 
 std::string escaped(std::string_view text) {
   std::string out;
-  for (const char c : text) {
+  for (const char c : shown(text)) {
     if (c == '&') out += "&amp;";
     else if (c == '<') out += "&lt;";
     else if (c == '>') out += "&gt;";
     else if (c == '"') out += "&quot;";
-    else if (static_cast<unsigned char>(c) < 0x20) out += ' ';
     else out += c;
   }
   return out;

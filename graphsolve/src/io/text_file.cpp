@@ -35,15 +35,17 @@ std::string read_text(const std::string& path, std::size_t longest_line) {
   std::string text;
   const bool stream = !std::filesystem::is_regular_file(path, error);
   if (const auto size = std::filesystem::file_size(path, error); !error) text.reserve(size);
+  char line_end = '\r';  // where there is no LF
   const auto fail_here = [&](std::size_t end, const std::string& what) {
-    throw FileError(path, 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end), '\n'), what);
+    throw FileError(path, 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end), line_end), what);
   };
   char buffer[1 << 16];
   while (const std::size_t got = std::fread(buffer, 1, sizeof buffer, file.get())) {
     text.append(buffer, got);
+    if (std::memchr(buffer, '\n', got)) line_end = '\n';
     if (const std::size_t zero = text.find('\0', text.size() - got); zero != text.npos)
       fail_here(zero, "holds a zero byte: this is no text");
-    if (text.size() > longest_line && text.find('\n', text.size() - longest_line - 1) == text.npos)
+    if (text.size() > longest_line && text.find(line_end, text.size() - longest_line - 1) == text.npos)
       fail_here(text.size(), "the line is longer than " + std::to_string(longest_line) + " characters");
     if (stream && text.size() > largest_stream)
       throw FileError(path, "is no ordinary file and does not end within " + std::to_string(largest_stream) + " bytes");

@@ -7,7 +7,8 @@
 #include "graphsolve/block_graph.hpp"
 #include "graphsolve/symbolic.hpp"
 
-/// Pictures of a graph and its elimination, as text.
+/// Pictures of a graph and its elimination, as text in UTF-8. What a picture cannot show of a name is replaced: white
+/// space by a blank; other control characters, U+FEFF, U+FFFE, U+FFFF and bytes that are not UTF-8 by U+FFFD.
 namespace graphsolve::io {
 
 /// GraphViz: the graph, nodes by kind (regular an ellipse, shared one of two lines, semidefinite a dashed one, saddle a box) with their

@@ -34,13 +34,15 @@ SparseMatrix from_eigen(const Eigen::SparseMatrixBase<Derived>& expression) {
   return matrix;
 }
 
-/// A copy, compressed. `Index` is the type of Eigen's indices; throws std::invalid_argument when it is too narrow,
-/// and as check_columns does.
+/// A copy, compressed. `Index` is the type of Eigen's indices; throws std::invalid_argument when it is too narrow for
+/// the rows, the columns or the number of entries, and as check_columns does.
 template <class Index = int, int Options = Eigen::ColMajor>
 Eigen::SparseMatrix<double, Options, Index> to_eigen(const SparseMatrix& matrix) {
   check_columns(matrix);
-  if (matrix.entries() > static_cast<std::int64_t>(std::numeric_limits<Index>::max()))
-    throw std::invalid_argument("more entries than this type of index can count");
+  constexpr auto most = static_cast<std::int64_t>(std::numeric_limits<Index>::max());
+  if (matrix.entries() > most) throw std::invalid_argument("more entries than this type of index can count");
+  if (matrix.rows > most || matrix.columns > most)
+    throw std::invalid_argument("more rows or columns than this type of index can count");
   Eigen::SparseMatrix<double, Eigen::ColMajor, Index> eigen(matrix.rows, matrix.columns);
   eigen.resizeNonZeros(static_cast<Eigen::Index>(matrix.entries()));
   for (int j = 0; j <= matrix.columns; ++j) eigen.outerIndexPtr()[j] = static_cast<Index>(matrix.begin[j]);

@@ -10,7 +10,8 @@
 
 /// Matrix Market files (Boisvert, Pozo, Remington: The Matrix Market Exchange Formats, NISTIR 5935): `coordinate` and
 /// `array`; real, integer and pattern; general, symmetric and skew-symmetric. Complex and Hermitian ones are refused.
-/// Errors are FileErrors. Values that are not finite are refused: NaN never passes.
+/// Errors are FileErrors. Values that are not finite are refused: NaN never passes. So are, where the field is integer,
+/// values beyond 2^53, where not every integer is a double.
 namespace graphsolve::io {
 
 enum class Field { real, integer, pattern };
@@ -24,8 +25,8 @@ struct MatrixFile {
   std::int64_t repeated = 0;  ///< entries of the file at a place that had one already; they are added up
 };
 
-/// Reads a sparse matrix. Of an `array` file the zeros are left out. Lines may end in CR LF; empty lines and comments
-/// may stand anywhere after the first line.
+/// Reads a sparse matrix. Of an `array` file the zeros are left out. Lines end in LF or CR LF, or all of them in CR;
+/// empty lines and comments may stand anywhere after the first line; a byte order mark of UTF-8 may stand before it.
 /// Throws FileError: no such file, a line that is no entry, an index or a number out of range, too few or too many
 /// entries, entries above the diagonal of a symmetric file, sizes beyond 2^31 - 1, and sizes that no file of this
 /// length can fill (more than 64 rows or columns per byte), so that a wrong size line does not eat the memory; also what
@@ -49,9 +50,10 @@ struct WriteOptions {
   Field field = Field::real;              ///< pattern: without values
   std::string comment = {};               ///< may have several lines
 };
-/// A coordinate file. Numbers have the fewest digits that read back as the same bits. Throws std::invalid_argument
-/// when the matrix has not the symmetry, holds a value that is not finite, or one that is no integer where that is
-/// the field.
+/// A coordinate file. Numbers have the fewest digits that read back as the same bits; of skew-symmetric matrices the
+/// upper triangle reads back as the negative of the lower one, also in the sign of zeros, and integers know no -0.
+/// Throws std::invalid_argument when the matrix has not the symmetry (symmetric: +0 opposite -0 has not), holds a value
+/// that is not finite, or one that is no integer up to 2^53 where that is the field.
 std::string matrix_market(const SparseMatrix& matrix, const WriteOptions& options = {});
 /// An array file; values are column-major, as many as a multiple of `rows`.
 std::string matrix_market(std::span<const double> values, int rows, std::string_view comment = {});
