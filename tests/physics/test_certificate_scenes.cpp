@@ -31,6 +31,7 @@ Judged judge(const std::string& spec, double duration) {
   const Mechanism& checked = simulator.mechanism();
   Judged judged;
   StepRecord before, after;
+  certificate::Missed missed;
   simulator.write_record(before);
   const int steps = static_cast<int>(std::lround(duration / scene.time_step));
   for (int k = 0; k < steps; ++k) {
@@ -38,7 +39,7 @@ Judged judge(const std::string& spec, double duration) {
     EXPECT_TRUE(result.ok()) << spec << ", step " << k + 1 << ": " << result.cause;
     if (!result.ok()) break;
     simulator.write_record(after);
-    judged.certificate.merge(certificate::certify_step(checked, before, after));
+    judged.certificate.merge(certificate::certify_step(checked, before, after, &missed));
     std::swap(before, after);
     ++judged.steps;
   }
@@ -116,13 +117,14 @@ TEST(CertificateOfVariants, BeyondTheStabilityLimitOfATautChainStepsAreFlaggedOr
   StepRecord before, after, kept;
   simulator.write_record(before);
   certificate::Certificate all;
+  certificate::Missed missed;
   int steps = 0;
   StepResult result;
   for (; steps < 500; ++steps) {
     result = simulator.step();
     if (!result.ok()) break;
     simulator.write_record(after);
-    const certificate::Certificate c = certificate::certify_step(simulator.mechanism(), before, after);
+    const certificate::Certificate c = certificate::certify_step(simulator.mechanism(), before, after, &missed);
     EXPECT_EQ(c.flagged > 0, result.substeps > 1 || result.new_force_direction);
     all.merge(c);
     std::swap(before, after);

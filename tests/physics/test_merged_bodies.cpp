@@ -91,10 +91,11 @@ TEST(MergedBodies, TumblingOnTheGroundPassTheCertificate) {
   StepRecord before, after;
   simulator.write_record(before);
   certificate::Certificate all;
+  certificate::Missed missed;
   for (int k = 0; k < 300; ++k) {
     ASSERT_TRUE(simulator.step().ok()) << k;
     simulator.write_record(after);
-    all.merge(certificate::certify_step(simulator.mechanism(), before, after));
+    all.merge(certificate::certify_step(simulator.mechanism(), before, after, &missed));
     std::swap(before, after);
   }
   EXPECT_LE(all.residual(), 1e-8) << all;

@@ -138,11 +138,12 @@ TEST(StartVelocities, LetRandomLoopsMakeTheirFirstSteps) {
   for (const int seed : seeds) {
     Simulator simulator(random_loops::loop(seed));
     StepRecord before, after;
+    certificate::Missed missed;
     for (int step = 1; step <= 10; ++step) {
       simulator.write_record(before);
       ASSERT_TRUE(simulator.step().ok()) << seed << ' ' << simulator.failure_place();
       simulator.write_record(after);
-      const auto verdict = certificate::certify_step(simulator.mechanism(), before, after).worst();
+      const auto verdict = certificate::certify_step(simulator.mechanism(), before, after, &missed).worst();
       EXPECT_LE(verdict.value, 2e-8) << seed << " step " << step << ' ' << verdict.what;
     }
     EXPECT_LE(simulator.largest_joint_error(), 1e-9) << seed;

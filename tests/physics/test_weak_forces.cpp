@@ -76,4 +76,60 @@ TEST(WeakForces, KeepTheAngularMomentumOfASlowTop) {
   EXPECT_LE((simulator.angular_momentum() - before).norm(), 1e-4 * before.norm());
 }
 
+/// What a step misses, the next one makes good: velocities are off by a tolerance, not by one for every step.
+constexpr double tolerance = 1e-8;
+
+Contact on_the_ground(const std::string& name, const Vec3& point, double radius, double friction) {
+  Contact contact;
+  contact.name = name;
+  contact.body = {0};
+  contact.point = point;
+  contact.radius = radius;
+  contact.friction = friction;
+  return contact;
+}
+
+TEST(WeakForces, MoveABoxOnIce) {
+  Mechanism scene = one_body(1, {0.1, 0.1, 0.1}, 1e-4);
+  scene.bodies[0].position = {0, 0, 0.5};
+  for (const double x : {-0.5, 0.5})
+    for (const double y : {-0.5, 0.5}) scene.contacts.push_back(on_the_ground(std::to_string(x) + std::to_string(y), {x, y, -0.5}, 0, 0));
+  push(scene, {7e-5, 5e-5, 0});
+  Simulator simulator(scene);
+  const double t = 1;
+  const Vec3 there = position_after(simulator, 10000);
+  EXPECT_NEAR(there.x(), 7e-5 * t * t / 2, tolerance * t);
+  EXPECT_NEAR(there.y(), 5e-5 * t * t / 2, tolerance * t);
+}
+
+/// A record tells what its step missed: also a run that goes on from the one of every step gets somewhere.
+TEST(WeakForces, MoveABoxOnIceFromRecordToRecord) {
+  Mechanism scene = one_body(1, {0.1, 0.1, 0.1}, 1e-4);
+  scene.start = Start::standard;
+  scene.bodies[0].position = {0, 0, 1};
+  scene.contacts.push_back(on_the_ground("floor", Vec3::Zero(), 1, 0));
+  push(scene, {7e-5, 0, 0});
+  Simulator simulator(scene);
+  StepRecord record;
+  for (int k = 0; k < 3000; ++k) {
+    ASSERT_TRUE(simulator.step().ok());
+    simulator.write_record(record);
+    simulator.restart_from(record);
+  }
+  const double t = 0.3;
+  EXPECT_NEAR(record.bodies[0].position.x(), 7e-5 * t * t / 2, tolerance * t);
+}
+
+TEST(WeakForces, RollABall) {
+  Mechanism scene = one_body(1, {0.4, 0.4, 0.4}, 1e-4);
+  scene.bodies[0].position = {0, 0, 1};
+  scene.contacts.push_back(on_the_ground("floor", Vec3::Zero(), 1, 1));
+  push(scene, {7e-5, 5e-5, 0});
+  Simulator simulator(scene);
+  const double t = 1;
+  const Vec3 there = position_after(simulator, 10000);
+  EXPECT_NEAR(there.x(), 7e-5 * t * t / 2 / 1.4, 2 * tolerance * t);  // of the centre and of the turning
+  EXPECT_NEAR(there.y(), 5e-5 * t * t / 2 / 1.4, 2 * tolerance * t);
+}
+
 }  // namespace test_weak_forces

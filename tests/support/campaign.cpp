@@ -36,6 +36,12 @@ double inexactness(const Mechanism& mechanism, const StepRecord& before, const S
   return rounding * (position / dt + speed + impulse / lightest + impulse * arm / least_inertia);
 }
 
+/// Over steps in a row: what they have missed of the change of momentum, and what rounding alone may show of that.
+struct Summed {
+  certificate::Missed missed;
+  double inexactness = 0;
+};
+
 class Runner {
  public:
   Runner(const Options& options, Report& report) : options_(options), report_(report) {}
@@ -45,6 +51,7 @@ class Runner {
     Simulator simulator(scene(family, options_.seed, index), options_.settings);
     ++count.scenes;
     StepRecord before, after;
+    Summed summed;
     simulator.write_record(before);
     int made = 0;
     while (made < budget) {
@@ -62,7 +69,7 @@ class Runner {
       }
       if (!options_.certify) continue;
       simulator.write_record(after);
-      certify(family, index, count, simulator.mechanism(), before, after);
+      certify(family, index, count, simulator.mechanism(), before, after, summed);
       std::swap(before, after);
     }
     return made;
@@ -83,10 +90,14 @@ class Runner {
   }
 
   void certify(const Family& family, int index, Count& count, const Mechanism& mechanism, const StepRecord& before,
-               const StepRecord& after) {
-    const certificate::Certificate verdict = certificate::certify_step(mechanism, before, after);
+               const StepRecord& after, Summed& summed) {
+    certificate::Certificate verdict = certificate::certify_step(mechanism, before, after, &summed.missed);
+    const double of_step = inexactness(mechanism, before, after);
+    summed.inexactness = verdict.flagged ? 0 : summed.inexactness + of_step;
+    const double allowed = options_.settings.tolerance + of_step;
+    verdict.dynamics.value *= allowed / (options_.settings.tolerance + summed.inexactness);
     const auto worst = verdict.worst();
-    const double excess = worst.value / (options_.settings.tolerance + inexactness(mechanism, before, after));
+    const double excess = worst.value / allowed;
     ++count.certified;
     graphsolve::keep_largest(count.certificate, excess);
     if (excess <= 1) return;

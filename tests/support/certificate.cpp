@@ -62,7 +62,7 @@ void judge_kinematics(const Step& step, Certificate& result) {
 }
 
 /// Momenta of bodies that move as one, about their common centre.
-void judge_dynamics(const Step& step, std::span<const Momentum> rest, Certificate& result) {
+void judge_dynamics(const Step& step, std::span<const Momentum> rest, Missed* missed, Certificate& result) {
   const std::size_t n = rest.size();
   std::vector<Momentum> sum(n);
   std::vector<Vec3> centre(n, Vec3::Zero());
@@ -78,6 +78,13 @@ void judge_dynamics(const Step& step, std::span<const Momentum> rest, Certificat
     }
     sum[g].linear += rest[i].linear;
     sum[g].angular += rest[i].angular + (step.old_pose[i].x - centre[g]).cross(rest[i].linear);
+  }
+  if (missed) {
+    for (std::size_t i = 0; i < missed->size(); ++i) {
+      sum[i].linear += (*missed)[i].linear;
+      sum[i].angular += (*missed)[i].angular;
+    }
+    *missed = sum;
   }
   for (std::size_t i = 0; i < n; ++i) {
     if (step.group[i] != static_cast<int>(i)) continue;
@@ -172,7 +179,7 @@ std::ostream& operator<<(std::ostream& out, const Certificate& certificate) {
 }
 
 Certificate certify_step(const physics::Mechanism& mechanism, const physics::StepRecord& before,
-                         const physics::StepRecord& after) {
+                         const physics::StepRecord& after, Missed* missed) {
   const Step step(mechanism, before, after);
   Certificate result;
   result.steps = 1;
@@ -180,6 +187,7 @@ Certificate certify_step(const physics::Mechanism& mechanism, const physics::Ste
   judge_gaps(step, result);
   if (after.solver && (after.solver->substeps > 1 || after.solver->new_force_direction)) {
     result.flagged = 1;
+    if (missed) missed->clear();
     return result;
   }
   judge_kinematics(step, result);
@@ -187,16 +195,17 @@ Certificate certify_step(const physics::Mechanism& mechanism, const physics::Ste
   judge_contacts(step, rest, result);
   judge_joints(step, rest, result);
   if (!step.forces_recorded) eliminate_joints(step, rest);
-  judge_dynamics(step, rest, result);
+  judge_dynamics(step, rest, missed, result);
   report_momentum(step, rest, result);
   return result;
 }
 
 Certificate certify(const physics::Trajectory& trajectory) {
   Certificate result;
+  Missed missed;
   for (std::size_t k = 1; k < trajectory.steps.size(); ++k) {
     const physics::StepRecord &before = trajectory.steps[k - 1], &after = trajectory.steps[k];
-    if (after.step == before.step + 1) result.merge(certify_step(trajectory.mechanism, before, after));
+    if (after.step == before.step + 1) result.merge(certify_step(trajectory.mechanism, before, after, &missed));
   }
   return result;
 }

@@ -3,6 +3,7 @@
 #include <iosfwd>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "physics/mechanism.hpp"
 #include "physics/trajectory.hpp"
@@ -62,11 +63,20 @@ struct Certificate {
 
 std::ostream& operator<<(std::ostream& out, const Certificate& certificate);
 
-/// Judges the step from `before` to `after`. Record 0 of a `half_kick` scene is taken as such a start.
+/// Momentum in the world frame, angular about the centre of mass it belongs to.
+struct Momentum {
+  physics::Vec3 linear = physics::Vec3::Zero(), angular = physics::Vec3::Zero();
+};
+
+/// What the steps judged so far have left of the change of momentum, all together: by body, empty before the first.
+/// What a step leaves, within the tolerance, the next one has to make good, so that this sum stays within it too.
+using Missed = std::vector<Momentum>;
+
+/// Judges the step from `before` to `after`; with `missed` it is the sum that `dynamics` is about. Record 0 of a `half_kick` scene is taken as such a start.
 /// Without recorded joints the joint forces are eliminated by least squares (dense: small scenes only).
 /// Throws std::invalid_argument when the records do not have the scene's shape or are not consecutive.
 Certificate certify_step(const physics::Mechanism& mechanism, const physics::StepRecord& before,
-                         const physics::StepRecord& after);
+                         const physics::StepRecord& after, Missed* missed = nullptr);
 
 /// Judges all pairs of consecutive records; `steps` says how many there were.
 Certificate certify(const physics::Trajectory& trajectory);

@@ -66,11 +66,6 @@ struct Step {
   void find_groups();
 };
 
-/// What is left of a body's change of momentum, world frame, torque about its centre of mass.
-struct Momentum {
-  Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
-};
-
 /// Joint errors, free wrench and motors; takes the recorded joint impulses off `rest`.
 void judge_joints(const Step& step, std::span<Momentum> rest, Certificate& result);
 /// Takes off `rest` what joint forces can explain, in least squares; for records without joints.
@@ -85,7 +80,8 @@ void judge_gaps(const Step& step, Certificate& result);
 /// Normal and friction forces against their laws; takes the contact impulses off `rest`.
 void judge_contacts(const Step& step, std::span<Momentum> rest, Certificate& result);
 
-/// Free motion: takes gravity, loads and momentum of the step; the start of `rest`.
+/// Free motion: takes gravity, loads and momentum of the step; the start of `rest`, what is left of a body's change of
+/// momentum.
 std::vector<Momentum> inertial_rest(const Step& step);
 
 }  // namespace certificate

@@ -14,8 +14,9 @@ struct InteriorPointSettings {
   double tolerance = 1e-8;       ///< natural residual, in the units that the row scales make
   double largest_product = 1e-15;  ///< s z / scale of every pair at the end (its creep times its reserve)
   int max_iterations = 60;       ///< per attempt
-  /// Part of the tolerance up to which the start of a component without active ports is its solution, without an iteration.
-  /// What a start misses is lost: where one solve begins at the end of the one before, it adds up.
+  /// Part of the tolerance up to which the start is the solution, without an iteration: of a component without active
+  /// ports, and of one whose last solve had to iterate where the one before that ended at its start. What a start misses
+  /// adds up where one solve begins at the end of the one before; see residual().
   double start_part = 1;
 };
 
@@ -73,6 +74,9 @@ class InteriorPoint {
 
   /// By component, of the last solve that it took part in; before the first, solved in no iterations.
   [[nodiscard]] std::span<const ComponentReport> reports() const;
+  /// By row, where the last solve of each component ended: what it was accepted with, forces of terms and ports together.
+  /// A caller whose solves follow each other in time owes it to the next one.
+  [[nodiscard]] std::span<const double> residual() const;
   [[nodiscard]] const Factorization& factorization() const;
   /// Of the caller, who keeps it as long as there are solves; null: none.
   void set_profile(Profile* profile);

@@ -5,7 +5,7 @@
 namespace graphsolve {
 
 /// Outcome of a numerical solve. Anything but `solved` leaves the caller's data as it was.
-enum class [[nodiscard]] Status {
+enum class [[nodiscard]] Status : char {
   solved,             ///< the natural residual is below the tolerance
   max_iterations,     ///< still moving when the iterations ran out
   stalled,            ///< the step length went to zero: no progress possible from any of the starts tried; linear: too inaccurate

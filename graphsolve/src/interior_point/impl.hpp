@@ -23,6 +23,7 @@ class InteriorPoint::Impl {
   void set_row_scale(NodeId node, std::span<const double> scale);
   Status solve(std::span<double> x, double force_factor, std::span<const double> noise);
   [[nodiscard]] std::span<const ComponentReport> reports() const { return reports_; }
+  [[nodiscard]] std::span<const double> residual() const { return residual_; }
   [[nodiscard]] const Factorization& factorization() const { return factorization_; }
   void set_profile(Profile* profile) { profile_ = profile; }
   Status linearize(std::span<double> x, double smoothing, double stiffness, Factorization& target);
@@ -32,7 +33,7 @@ class InteriorPoint::Impl {
  private:
   struct Lists {  ///< instances of one batch, sorted by component
     std::vector<int> component;  ///< by instance
-    std::vector<int> given;      ///< active instances, as they were named
+    std::vector<int> given;      ///< active instances, as they were named; of ports
     std::vector<int> all;        ///< the same by component
     std::vector<int> begin;      ///< by component, into all
     std::vector<int> running;    ///< those of running components
@@ -40,18 +41,18 @@ class InteriorPoint::Impl {
   };
   /// refrozen: started cold at the size of the last change; rescaled: in the unit of the rows, where that of the laws
   /// is much smaller
-  enum class Phase { full, frozen, refrozen, rescaled, polish };
+  enum class Phase : char { full, frozen, refrozen, rescaled, polish };
   enum class With { residual_alone, matrix };
 
   /// Where the solve of a component stands; made anew for every solve.
   struct Course {
-    Status trouble = Status::solved;  ///< why the present attempt has to end; solved: it need not
+    int iterations = 0;     ///< of the attempt
+    Status trouble = Status::solved;  ///< why it has to end; solved: it need not
     Phase phase = Phase::full;
-    int iterations = 0;               ///< of the attempt
-    int short_steps = 0;              ///< in a row
-    int halvings = 0;                 ///< of the last step
-    int freezes = 0;                  ///< how often couplings were frozen
-    char doublings = 0;               ///< of the steps of frozen couplings
+    char short_steps = 0;   ///< in a row
+    char halvings = 0;      ///< of the last step
+    char freezes = 0;       ///< how often couplings were frozen
+    char doublings = 0;     ///< of the steps of frozen couplings
     char good = 0;          ///< points in a row, the last one included, that were solutions but for their products
     bool ended = false;
     bool judged = false;    ///< passed on at the point where it is
@@ -111,9 +112,10 @@ class InteriorPoint::Impl {
   [[nodiscard]] double tolerance(int component) const {
     return noise_.empty() ? settings_.tolerance : std::max(settings_.tolerance, noise_[component]);
   }
-  /// Where no step was taken yet.
+  /// Where no step was taken yet. A barrier leaves more than a small part, so with ports that is asked for only once: after
+  /// a solve that made good what those before it, each ended at its start, had left.
   [[nodiscard]] double start_tolerance(int component) const {
-    if (degree_[component] > 0) return tolerance(component);  // a barrier is more than a small part
+    if (degree_[component] > 0 && at_start_[component] != 1) return tolerance(component);
     const double part = settings_.start_part * settings_.tolerance;
     return noise_.empty() ? part : std::max(part, noise_[component]);
   }
@@ -139,7 +141,8 @@ class InteriorPoint::Impl {
   InteriorPointSettings settings_;
   Factorization factorization_;
   std::vector<Lists> term_lists_, port_lists_;
-  std::vector<int> selected_, running_, keep_running_, refining_;
+  std::vector<int> selected_, running_;
+  std::vector<int> some_;    ///< components of the moment
   std::vector<int> listed_;  ///< components that the lists of running instances and rows are of
   bool lists_changed_ = true;
   const simd::VectorKernels* kernels_;

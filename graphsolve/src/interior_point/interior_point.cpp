@@ -21,6 +21,7 @@ Status InteriorPoint::solve(std::span<double> x, double force_factor, std::span<
   return impl_->solve(x, force_factor, noise);
 }
 std::span<const ComponentReport> InteriorPoint::reports() const { return impl_->reports(); }
+std::span<const double> InteriorPoint::residual() const { return impl_->residual(); }
 const Factorization& InteriorPoint::factorization() const { return impl_->factorization(); }
 void InteriorPoint::set_profile(Profile* profile) { impl_->set_profile(profile); }
 

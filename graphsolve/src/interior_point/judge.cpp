@@ -25,10 +25,8 @@ constexpr int newton_iterations = 20;  ///< without ports it converges fast or n
 void InteriorPoint::Impl::judge() {
   bool any_restarted = false;
   bool ended = false;
-  keep_running_.clear();
-  for (const int c : running_) keep_running_.push_back(c);
-  for (std::size_t k = 0; k < keep_running_.size(); ++k) {
-    const int c = keep_running_[k];
+  some_.assign(running_.begin(), running_.end());
+  for (const int c : some_) {
     if (course_[c].judged && course_[c].trouble == Status::solved) continue;
     restarted_ = false;
     judge_component(c);

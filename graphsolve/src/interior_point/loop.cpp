@@ -166,14 +166,14 @@ void InteriorPoint::Impl::right_hand_side() {
 /// What factorize() has not done yet.
 void InteriorPoint::Impl::solve_linear() {
   if (!solved_) {
-    refining_.clear();
+    some_.clear();
     for (const int c : running_)
       if (course_[c].refine) {
-        refining_.push_back(c);
+        some_.push_back(c);
         copy_rows(rows_of(c), dx_, rhs_);
       }
     factorization_.solve_components(dx_, running_);
-    if (!refining_.empty()) (void)factorization_.refine(rhs_, dx_, refining_, 2);
+    if (!some_.empty()) (void)factorization_.refine(rhs_, dx_, some_, 2);
   }
   solved_ = false;
   const auto ports = problem_.ports();
@@ -271,7 +271,7 @@ void InteriorPoint::Impl::take_step() {
     const double alpha = alpha_[c];
     move_by(c, alpha);
     course_[c].judged = 0;
-    course_[c].short_steps = alpha < short_step ? course_[c].short_steps + 1 : 0;
+    course_[c].short_steps = static_cast<char>(alpha < short_step ? course_[c].short_steps + 1 : 0);
   }
 }
 

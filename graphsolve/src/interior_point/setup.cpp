@@ -58,7 +58,12 @@ InteriorPoint::Impl::Impl(Problem& problem, std::shared_ptr<const Symbolic> symb
     make_lists(lists.emplace_back(), component_of);
   };
   for (Term* term : problem_.terms()) add_lists(*term, term_lists_);
-  for (PortBatch* ports : problem_.ports()) add_lists(*ports, port_lists_);
+  for (PortBatch* ports : problem_.ports()) {
+    add_lists(*ports, port_lists_);
+    auto& given = port_lists_.back().given;
+    given.resize(ports->size());
+    std::iota(given.begin(), given.end(), 0);
+  }
   instances_ = count_instances(problem_);
   factorization_.leave_unzeroed(claims);
 
@@ -87,8 +92,7 @@ InteriorPoint::Impl::Impl(Problem& problem, std::shared_ptr<const Symbolic> symb
   std::iota(selected_.begin(), selected_.end(), 0);
   running_.reserve(components);
   listed_.reserve(components);
-  keep_running_.reserve(components);
-  refining_.reserve(components);
+  some_.reserve(components);
 }
 
 /// What was added after the solver was made has no rows and blocks.
@@ -142,7 +146,6 @@ void InteriorPoint::Impl::make_lists(Lists& lists, std::span<const int> componen
   std::vector<int> everything(lists.component.size());
   std::iota(everything.begin(), everything.end(), 0);
   sort_by_component(lists, everything);
-  lists.given = std::move(everything);
 }
 
 /// Counting sort: within a component the given order is kept.
@@ -191,7 +194,7 @@ void InteriorPoint::Impl::select(std::span<const int> components) {
   for (const int c : components)
     if (c < 0 || c >= all)
       throw std::invalid_argument("select: there is no component " + std::to_string(c) + ", but 0 to " + std::to_string(all - 1));
-  if (const int twice = repeated(components, keep_running_); twice >= 0)
+  if (const int twice = repeated(components, some_); twice >= 0)
     throw std::invalid_argument("select: component " + std::to_string(twice) + " is named twice");
   selected_.assign(components.begin(), components.end());
 }

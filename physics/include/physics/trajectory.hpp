@@ -14,6 +14,10 @@ struct BodyRecord {
   Quat orientation = Quat::Identity();
   Vec3 velocity = Vec3::Zero();          ///< of the step that led to this pose, world [m/s]
   Vec3 angular_velocity = Vec3::Zero();  ///< same, body frame [rad/s]
+  /// What that step, accepted within the tolerance, missed of the change of momentum; the next one makes it good. World
+  /// [N s] and body frame [N m s]; zero where it is less than 1e-4 of the tolerance. Of bodies that are fixed to each
+  /// other the first one has it.
+  Vec3 missed = Vec3::Zero(), missed_angular = Vec3::Zero();
 };
 
 struct ContactRecord {

@@ -10,6 +10,8 @@ BodyRecord read_body_record(const Json& json) {
   Object object(json);
   BodyRecord record{vec3(object.required("position")), quat(object.required("orientation")),
                     vec3(object.required("velocity")), vec3(object.required("angular_velocity"))};
+  if (const Json* missed = object.optional("missed")) record.missed = vec3(*missed);
+  if (const Json* missed = object.optional("missed_angular")) record.missed_angular = vec3(*missed);
   object.finish();
   return record;
 }

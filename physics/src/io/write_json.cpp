@@ -228,6 +228,18 @@ Json to_json(const SolverRecord& solver) {
   return json;
 }
 
+Json to_json(const BodyRecord& body) {
+  Json json{{"position", to_json(body.position)},
+            {"orientation", to_json(body.orientation)},
+            {"velocity", to_json(body.velocity)},
+            {"angular_velocity", to_json(body.angular_velocity)}};
+  if (!body.missed.isZero(0) || !body.missed_angular.isZero(0)) {
+    json["missed"] = to_json(body.missed);
+    json["missed_angular"] = to_json(body.missed_angular);
+  }
+  return json;
+}
+
 }  // namespace
 
 std::string json_scene(const Mechanism& mechanism) { return open_scene(mechanism) + "\n}\n"; }
@@ -238,11 +250,7 @@ std::string json_step(const StepRecord& record) {
   Json json{{"step", record.step}, {"time", record.time}};
   add(json, record.extras);
   Json& bodies = json["bodies"] = Json::array();
-  for (const BodyRecord& body : record.bodies)
-    bodies.push_back({{"position", to_json(body.position)},
-                      {"orientation", to_json(body.orientation)},
-                      {"velocity", to_json(body.velocity)},
-                      {"angular_velocity", to_json(body.angular_velocity)}});
+  for (const BodyRecord& body : record.bodies) bodies.push_back(to_json(body));
   Json& contacts = json["contacts"] = Json::array();
   for (const ContactRecord& contact : record.contacts) contacts.push_back(to_json(contact));
   if (!record.joints.empty()) {

@@ -14,6 +14,11 @@ HWY_BEFORE_NAMESPACE();
 namespace physics::HWY_NAMESPACE {
 namespace {
 
+HWY_INLINE Matrix3 load_symmetric(const Octet* m) {
+  const Vector3 c0 = load3(m);
+  const Pack yy = load(m[3]), yz = load(m[4]), zz = load(m[5]);
+  return {c0, {c0.y, yy, yz}, {c0.z, yz, zz}};
+}
 HWY_INLINE Quaternion load_quaternion(const Octet* q) { return {load3(q), load(q[3])}; }
 
 /// One function for all who need it: the same bits for a state that was set and one that a step led to.
@@ -29,7 +34,7 @@ HWY_INLINE Pack largest(const Vector3& v) { return gs::max(gs::abs(v.x), gs::max
 HWY_INLINE bool has_no_energy(const BodyOctet& body, unsigned used) {
   const Vector3 v = load3(body.state.velocity), w = load3(body.state.velocity + 3), x = load3(body.state.x);
   const Pack mass = load(body.mass), momentum = mass * largest(v);
-  const Pack turning = dot(w, load33(body.inertia) * w), height = gs::abs(mass * dot(load3(body.gravity), x));
+  const Pack turning = dot(w, load_symmetric(body.inertia) * w), height = gs::abs(mass * dot(load3(body.gravity), x));
   const Pack told = momentum * (largest(v) + largest(x)) + turning + height;
   return (gs::bits(!(told <= Pack(largest_energy))) & used) != 0;
 }
@@ -40,13 +45,14 @@ unsigned Begin(BodyOctet& body, unsigned used, const BodyStart& start) {
   const Vector3 v = load3(body.state.velocity), w = load3(body.state.velocity + 3), g = load3(body.gravity),
                 x = load3(body.state.x);
   const Pack mass = load(body.mass), ww = dot(w, w);
-  const Vector3 jw = load33(body.inertia) * w;
-  keep(mass * v + Pack(start.impulse_time) * (mass * g), body.known);
+  const Vector3 jw = load_symmetric(body.inertia) * w;
+  const Vector3 missed = load3(body.missed + 3);
+  keep(mass * v + Pack(start.impulse_time) * (mass * g) + load3(body.missed), body.known);
   if (start.half_kick) {
-    keep(jw, body.known + 3);
+    keep(jw + missed, body.known + 3);
   } else {
     const Pack s = gs::sqrt(Pack(4 / (start.time_step * start.time_step)) - ww);
-    keep(Pack(0.5 * start.time_step) * (s * jw - cross(w, jw)), body.known + 3);
+    keep(Pack(0.5 * start.time_step) * (s * jw - cross(w, jw)) + missed, body.known + 3);
   }
   const Mask fast = !(ww <= Pack(start.most_spin * start.most_spin)), far = !(largest(x) <= Pack(start.most_distance));
   return ((gs::bits(fast) & used) != 0 ? spins_faster : 0u) | ((gs::bits(far) & used) != 0 ? lies_further : 0u);
@@ -79,7 +85,7 @@ void EvaluateBodies(const BodyTask& task) {
   keep(w, task.at->velocity + 3);
 
   const Pack mass = load(body.mass);
-  const Matrix3 inertia = load33(body.inertia);
+  const Matrix3 inertia = load_symmetric(body.inertia);
   const Vector3 jw = inertia * w;
   Octet* residual = task.residual->data();
   keep(mass * v - load3(body.known), residual);
@@ -116,8 +122,15 @@ void HandOut(const ResidualOctet& residual, unsigned used, const int* rows, doub
   gs::add_transposed(numbers, 6, to, used, 1.0);
 }
 
-bool Commit(BodyOctet& body, unsigned used, const BodyAtOctet& at) {
+bool Commit(BodyOctet& body, unsigned used, const BodyAtOctet& at, const int* rows, const double* residual) {
   const Keeper keep(used);
+  Pack missed[6];
+  const double* from[8];
+  for (int l = 0; l < 8; ++l) from[l] = residual + rows[l];
+  gs::load_transposed(from, 6, missed, used);
+  keep(-vector(missed), body.missed);
+  // In the frame of the body, which has turned.
+  keep(-transposed_times(load33(at.pose + 7), load33(body.rotation) * vector(missed + 3)), body.missed + 3);
   for (int k = 0; k < 3; ++k) keep(load(at.pose[k]), body.state.x[k]);
   for (int k = 0; k < 4; ++k) keep(load(at.pose[3 + k]), body.state.q[k]);
   for (int k = 0; k < 6; ++k) keep(load(at.velocity[k]), body.state.velocity[k]);

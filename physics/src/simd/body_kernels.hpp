@@ -10,8 +10,10 @@ namespace physics {
 
 /// What eight bodies are, and their state between two steps.
 struct BodyOctet {
-  Octet mass, inertia[9], gravity[3];
-  Octet known[6];  ///< momentum before the step plus impulse of loads: linear, angular
+  Octet mass, gravity[3];
+  Octet inertia[6];  ///< xx, xy, xz, yy, yz, zz
+  Octet known[6];    ///< momentum before the step plus impulse of loads: linear, angular
+  Octet missed[6];   ///< of it, by the step before: its residual, negative
   /// What a step that fails has to leave as it was.
   struct State {
     Octet velocity[6];  ///< v, w
@@ -77,8 +79,9 @@ struct BodyKernels {
   void (*evaluate)(const BodyTask&);         ///< poses, residual and its derivative: Bodies says which
   void (*push)(ResidualOctet&, unsigned used, const Octet* wrench);  ///< residual -= wrench, 6
   void (*hand_out)(const ResidualOctet&, unsigned used, const int* rows, double* all);  ///< adds to the rows
-  /// The state becomes that at the iterate. True where a body then has no energy or momentum: largest_energy.
-  bool (*commit)(BodyOctet&, unsigned used, const BodyAtOctet&);
+  /// The state becomes that at the iterate; what is left of the residual was missed. True where a body then has no energy
+  /// or momentum: largest_energy.
+  bool (*commit)(BodyOctet&, unsigned used, const BodyAtOctet&, const int* rows, const double* residual);
 };
 BodyKernels body_kernels();
 

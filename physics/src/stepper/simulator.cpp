@@ -94,7 +94,8 @@ void check_record(const Mechanism& mechanism, const StepRecord& record, double t
                                        mechanism.bodies.size()));
   for (std::size_t k = 0; k < record.bodies.size(); ++k) {
     const BodyRecord& body = record.bodies[k];
-    const bool finite = body.position.allFinite() && body.velocity.allFinite() && body.angular_velocity.allFinite();
+    const bool finite = body.position.allFinite() && body.velocity.allFinite() && body.angular_velocity.allFinite() &&
+                        body.missed.allFinite() && body.missed_angular.allFinite();
     if (!finite || !(std::abs(body.orientation.norm() - 1) < 1e-6))
       throw DescriptionError(fmt::format("record {}: body '{}' has a value that is not finite or a quaternion that is "
                                          "not a unit one", record.step, mechanism.bodies[k].name));

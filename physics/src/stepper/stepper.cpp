@@ -71,6 +71,7 @@ void Stepper::step(std::span<const int> stepped) {
       ladder.climb(l.before, l.turned_in_a_row, [&](const Rung& rung) {
         restore(lane);
         attempt({&lane, 1}, rung);
+        bodies.forget_missed(lane);  // so that who sums up momenta may begin anew after a step that was not whole
         return l.last.ok();
       });
     if (l.last.ok()) {
@@ -259,7 +260,7 @@ void Stepper::apply_loads(int lane, double time_of_impulse) {
 
 /// The poses of the converged iterate are those that the residual was measured at.
 void Stepper::commit(std::span<const int> moved, double h) {
-  if (!bodies.commit(moved))
+  if (!bodies.commit(moved, solver->residual()))
     for (const int lane : moved) refuse_without_energy(lane);
   for (const int lane : moved) {
     LaneState& s = lanes[lane].state;
@@ -298,6 +299,7 @@ void Stepper::save(std::span<const int> saved) {
 void Stepper::restore(int lane) {
   lanes[lane].state = lanes[lane].saved_state;
   bodies.restore(lane);
+  bodies.forget_missed(lane);
   begin_with_velocities(lane);
   const auto of_joints = impulses(lane);
   std::copy_n(saved_impulses.begin() + lane * std::ssize(of_joints), of_joints.size(), of_joints.begin());

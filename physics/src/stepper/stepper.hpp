@@ -110,6 +110,7 @@ struct Stepper {
   [[nodiscard]] Vec3 linear_momentum(int lane) const;
   [[nodiscard]] Vec3 angular_momentum(int lane) const;
   [[nodiscard]] std::string failure_place(int lane) const;
+  [[nodiscard]] bool misses(int body) const;
   void write_bodies(int lane, std::span<BodyRecord> records) const;
   void write_joints(int lane, std::span<JointRecord> records) const;
   void write_record(int lane, StepRecord& record) const;

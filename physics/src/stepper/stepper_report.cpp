@@ -75,6 +75,14 @@ Vec3 Stepper::angular_momentum(int lane) const {
   return sum;
 }
 
+/// More than what a record may leave out?
+bool Stepper::misses(int i) const {
+  constexpr double worth_telling = 1e-4;  // of the tolerance
+  const double mass = bodies.mass(i), least = worth_telling * settings.tolerance;
+  const double rotational = mass * bodies.inertia(i).diagonal().minCoeff();  // (angular momentum / velocity)^2
+  return bodies.missed(i).norm() > least * mass || bodies.missed_angular(i).squaredNorm() > least * least * rotational;
+}
+
 void Stepper::write_bodies(int lane, std::span<BodyRecord> records) const {
   const Lane& l = lanes[lane];
   for (std::size_t k = 0; k < records.size(); ++k) {
@@ -85,6 +93,11 @@ void Stepper::write_bodies(int lane, std::span<BodyRecord> records) const {
       continue;
     }
     const int i = body(lane, place.body);
+    record.missed = record.missed_angular = Vec3::Zero();
+    if (place.leads && misses(i)) {
+      record.missed = bodies.missed(i);
+      record.missed_angular = place.rotation.conjugate() * bodies.missed_angular(i);
+    }
     const Vec3 w = bodies.spin(i);
     const Quat q = bodies.orientation(i);
     record.position = bodies.position(i) + q * place.offset;

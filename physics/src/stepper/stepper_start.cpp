@@ -64,6 +64,7 @@ void Stepper::set_state(int lane, std::span<const BodyRecord> records, const Lan
   for (int k = 0; k < bodies_per_lane; ++k) {
     bodies.place(body(lane, k), Vec3::Zero(), Quat::Identity());
     bodies.set_velocity(body(lane, k), Vec3::Zero(), Vec3::Zero());
+    bodies.set_missed(body(lane, k), Vec3::Zero(), Vec3::Zero());
   }
   for (std::size_t k = 0; k < records.size(); ++k) {
     const Placement place = l.place(static_cast<int>(k));
@@ -75,6 +76,7 @@ void Stepper::set_state(int lane, std::span<const BodyRecord> records, const Lan
     if (!place.leads) continue;
     const Quat q = record.orientation.normalized() * place.rotation.conjugate();
     bodies.place(i, record.position - q * place.offset, q);
+    bodies.set_missed(i, record.missed, place.rotation * record.missed_angular);
   }
   l.state = state;
   l.turned_in_a_row = 0;

@@ -50,7 +50,7 @@ class Bodies final : public graphsolve::Term {
 
   // One body: what it is, and its state.
   [[nodiscard]] double mass(int i) const { return octet_with(i).mass[lane_with(i)]; }
-  [[nodiscard]] Mat3 inertia(int i) const { return numbers<Mat3>(octet_with(i).inertia, i); }
+  [[nodiscard]] Mat3 inertia(int i) const;
   [[nodiscard]] Vec3 velocity(int i) const { return numbers<Vec3>(octet_with(i).state.velocity, i); }
   [[nodiscard]] Vec3 spin(int i) const { return numbers<Vec3>(octet_with(i).state.velocity + 3, i); }
   [[nodiscard]] Vec3 position(int i) const { return numbers<Vec3>(octet_with(i).state.x, i); }
@@ -60,15 +60,21 @@ class Bodies final : public graphsolve::Term {
   [[nodiscard]] bool has_energy(int i, const Vec3& gravity) const;
   void place(int i, const Vec3& x, const Quat& q);
   void set_velocity(int i, const Vec3& v, const Vec3& w);
+  /// Momentum that the step before missed and the next one makes good: linear, angular.
+  [[nodiscard]] Vec3 missed(int i) const { return numbers<Vec3>(octet_with(i).missed, i); }
+  [[nodiscard]] Vec3 missed_angular(int i) const { return numbers<Vec3>(octet_with(i).missed + 3, i); }
+  void set_missed(int i, const Vec3& linear, const Vec3& angular);
   void add_known(int i, const Vec3& linear, const Vec3& angular);
 
   // All bodies of some copies, once they are wired.
   /// Momenta where a step begins. Returns StartBeyond.
   unsigned begin(std::span<const int> copies, const BodyStart& start);
-  /// The state becomes that at the present iterate. False where a body then has no energy or momentum.
-  bool commit(std::span<const int> copies);
+  /// The state becomes that at the present iterate. The next step makes good the residual that was left, by row. False
+  /// where a body then has no energy or momentum.
+  bool commit(std::span<const int> copies, std::span<const double> residual);
   void save();  ///< of all copies
   void restore(int copy);
+  void forget_missed(int copy);
   void exchange_with_saved();
 
   /// The world's pose, for joints; never changes.

@@ -48,8 +48,17 @@ void Bodies::move_to(std::vector<int> places) {
 void Bodies::set(int i, const RigidBody& body, const Vec3& gravity) {
   BodyOctet& octet = octet_with(i);
   octet.mass[lane_with(i)] = body.mass;
-  put(body.inertia, octet.inertia, lane_with(i));
+  for (int k = 0, c = 0; c < 3; ++c)
+    for (int r = c; r < 3; ++r) octet.inertia[k++][lane_with(i)] = body.inertia(r, c);
   put(gravity, octet.gravity, lane_with(i));
+}
+
+Mat3 Bodies::inertia(int i) const {
+  const BodyOctet& octet = octet_with(i);
+  Mat3 inertia;
+  for (int k = 0, c = 0; c < 3; ++c)
+    for (int r = c; r < 3; ++r) inertia(r, c) = inertia(c, r) = octet.inertia[k++][lane_with(i)];
+  return inertia;
 }
 
 double Bodies::kinetic_energy(int i) const {
@@ -84,6 +93,11 @@ void Bodies::set_velocity(int i, const Vec3& v, const Vec3& w) {
   put(w, octet_with(i).state.velocity + 3, lane_with(i));
 }
 
+void Bodies::set_missed(int i, const Vec3& linear, const Vec3& angular) {
+  put(linear, octet_with(i).missed, lane_with(i));
+  put(angular, octet_with(i).missed + 3, lane_with(i));
+}
+
 void Bodies::add_known(int i, const Vec3& linear, const Vec3& angular) {
   Octet* known = octet_with(i).known;
   for (int k = 0; k < 3; ++k) {
@@ -98,9 +112,11 @@ unsigned Bodies::begin(std::span<const int> copies, const BodyStart& start) {
   return beyond;
 }
 
-bool Bodies::commit(std::span<const int> copies) {
+bool Bodies::commit(std::span<const int> copies, std::span<const double> residual) {
   bool sound = true;
-  of_copies_.each(copies, [&](int octet, unsigned used) { sound &= !kernels_.commit(octets_[octet], used, at_[octet]); });
+  of_copies_.each(copies, [&](int octet, unsigned used) {
+    sound &= !kernels_.commit(octets_[octet], used, at_[octet], rows_[octet].data(), residual.data());
+  });
   return sound;
 }
 
@@ -121,6 +137,13 @@ void Bodies::restore(int copy) {
       copy_lane(saved_[octet], lane, octets_[octet].state, lane);
     }
     kernels_.place(octets_[octet], used);
+  });
+}
+
+void Bodies::forget_missed(int copy) {
+  of_copies_.each({&copy, 1}, [&](int octet, unsigned used) {
+    for (unsigned rest = used; rest != 0; rest &= rest - 1)
+      for (Octet& number : octets_[octet].missed) number[std::countr_zero(rest)] = 0;
   });
 }
 
