@@ -76,12 +76,12 @@ TEST(Campaign, StepsWhereOnlyTheFrozenFrictionBoundHelpsAreSolved) {
   run_scene("mass_ratio", 2, 256, 200);
 }
 
-/// The third attempt, which needs more than three short steps in a row. Without them step 196 fails on every rung.
+/// The third attempt, which needs more than three short steps in a row. Without them one of these goes in substeps.
 TEST(Campaign, AStepThatNeedsPatienceIsSolvedWhole) {
   campaign::Options options;
   options.families = {"mass_ratio"};
-  options.seed = 4;
-  options.first_scene = 171;
+  options.seed = 1;
+  options.first_scene = 56;
   options.steps = options.steps_of_scene = 200;
   const campaign::Report report = campaign::run(options);
   EXPECT_TRUE(report.failures.empty() && report.refutations.empty()) << report;

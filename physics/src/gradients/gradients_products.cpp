@@ -32,7 +32,7 @@ void StepGradient::Impl::vector_jacobian(std::span<const double> next_adjoint, s
     Eigen::Map<Vector6>(state + 12 * i).noalias() -= d.pose[i].transpose() * yi;
     Eigen::Map<Vector6>(state + 12 * i + 6).noalias() -= d.velocity[i].transpose() * yi;
     Eigen::Map<Vector6>(load + 6 * i) = impulse_time * yi;
-    mass[i] = -d.mass[i].dot(yi.head<3>());
+    mass[i] = -d.mass[i].dot(yi);
     Eigen::Map<Vector6>(inertia + 6 * i).noalias() = -d.inertia[i].transpose() * yi.tail<3>();
   }
   for (const auto& block : d.across)
@@ -90,7 +90,7 @@ void StepGradient::Impl::multiply(StepInput input) {
         product.middleCols<6>(6 * i) = impulse_time * transposed.middleCols<6>(row[i]);
       break;
     case StepInput::mass:
-      for (int i = 0; i < bodies(); ++i) product.col(i).noalias() = -(transposed.middleCols<3>(row[i]) * d.mass[i]);
+      for (int i = 0; i < bodies(); ++i) product.col(i).noalias() = -(transposed.middleCols<6>(row[i]) * d.mass[i]);
       break;
     case StepInput::inertia:
       for (int i = 0; i < bodies(); ++i)

@@ -31,7 +31,7 @@ void Bodies::differentiate(std::span<const double> x, const StepStart& start, Se
     out.pose[i].setZero();
     out.velocity[i].setZero();
     out.velocity[i].diagonal().head<3>().setConstant(-m);
-    out.mass[i] = v2 - v - start.impulse_time * start.gravity;
+    out.mass[i] << v2 - v - start.impulse_time * start.gravity, Vec3::Zero();
     // p+ = (dt/2) (s I + [w]x) J w
     out.inertia[i] = by_inertia(0.5 * dt * (rotation_scalar(w2, dt) * Mat3::Identity() + skew(w2)), w2);
     if (start.half_kick) {

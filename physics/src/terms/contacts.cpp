@@ -32,6 +32,7 @@ Contacts::Contacts(Bodies& bodies, const Interleaving& side_by_side, const Mecha
   list_[0].reserve(four_.size());
   list_[1].reserve(any_.size());
   list_[2].reserve(none_.size());
+  pressed_.resize(bodies_.size());
 }
 
 void Contacts::add(const Contact& contact, int source, int body) {
@@ -91,8 +92,10 @@ void Contacts::register_with(graphsolve::Problem& problem) {
 Contacts::Reach Contacts::prepare(int lane, std::span<const double> velocity, const Step& step) {
   Reach reach;
   const double fall = 2 * step.gravity.norm() * step.dt;
+  presses_summed_ = false;
+  each_entry(lane, [&](Entry& entry) { entry.loaded = entry.active; });
+  if (step.force_factor != 1) sum_presses(lane);  // before some of the impulses are another step's
   each_entry(lane, [&](Entry& entry) {
-    entry.loaded = entry.active;
     entry.turned = false;
     entry.slip_speed = 0;
     visit(entry, [&](auto&& port, auto&& law) {
@@ -102,15 +105,28 @@ Contacts::Reach Contacts::prepare(int lane, std::span<const double> velocity, co
       reach.smallest_distance = std::min(reach.smallest_distance, a.distance);
       // Cannot be reached: even after two steps of free fall and a quarter more speed there is a gap left.
       entry.active = !step.cull || !(a.distance / step.dt + a.speed - fall - 0.25 * std::abs(a.speed) > reach_margin);
-      if (entry.active) prepare_entry(entry, port, law, a, step);
+      if (entry.active) prepare_entry(lane, entry, port, law, a, step);
     });
     if (entry.active) ++reach.active;
   });
   return reach;
 }
 
+/// Once per step, and only where something slips: at rest nobody asks.
+void Contacts::sum_presses(int lane) {
+  if (presses_summed_) return;
+  presses_summed_ = true;
+  each_entry(lane, [&](const Entry& entry) { visit(entry, [&](auto&& port, auto&&) { pressed_[port.body()] = 0; }); });
+  each_entry(lane, [&](const Entry& entry) {
+    if (!entry.loaded) return;
+    visit(entry, [&](auto&& port, auto&& law) {
+      if constexpr (std::decay_t<decltype(port)>::rows == 3) pressed_[port.body()] += law.normal_impulse();
+    });
+  });
+}
+
 template <class PortType, class Law>
-void Contacts::prepare_entry(Entry& entry, PortType& port, Law& law, const Approach& a, const Step& step) {
+void Contacts::prepare_entry(int lane, Entry& entry, PortType& port, Law& law, const Approach& a, const Step& step) {
   if constexpr (PortType::rows == 3) {
     if (!entry.loaded) law.clear();
     // A contact without a history is expected to slip the way gravity pulls.
@@ -118,7 +134,7 @@ void Contacts::prepare_entry(Entry& entry, PortType& port, Law& law, const Appro
       return entry.loaded ? u : u + step.dt * tangent().dot(step.gravity);
     };
     if (entry.aligned)
-      align(entry, port, law, slip(a.slip[0], [&] { return port.tangent1(); }),
+      align(lane, entry, port, law, slip(a.slip[0], [&] { return port.tangent1(); }),
             slip(a.slip[1], [&] { return port.tangent2(); }));
     if (step.force_factor != 1) law.scale_impulses(step.force_factor);
   } else {
@@ -127,28 +143,37 @@ void Contacts::prepare_entry(Entry& entry, PortType& port, Law& law, const Appro
   if (entry.batch != Batch::four) port.prepare();  // those make their levers eight at a time
 }
 
-/// Turns t1 against the slip (u1, u2), so that sliding friction lies along one facet.
+/// Turns t1 to where friction has to act, so that its whole bound is there on one facet: against the slip (u1, u2) while
+/// that is fast, along the force that held while it is slow. In between lies what friction would have to do to stop the
+/// slip in one step, f - m u. Against the slip alone, a body that is pushed at 0.9 of its friction creeps for ever: a facet
+/// 22 degrees off the push gives way, to a slip 45 degrees from that facet, and so on.
 template <class PortType, class Law>
-void Contacts::align(Entry& entry, PortType& port, Law& law, double u1, double u2) {
-  const double speed = std::sqrt(u1 * u1 + u2 * u2);
+void Contacts::align(int lane, Entry& entry, PortType& port, Law& law, double u1, double u2) {
+  const double speed = std::sqrt(u1 * u1 + u2 * u2), bound = law.friction_bound();
   double f[2];
   law.friction_impulse(f);
-  const double force = std::sqrt(f[0] * f[0] + f[1] * f[1]);
-  double t[2];
+  double t[2] = {f[0], f[1]}, least = 0.5 * bound;  // below it the corners of the pyramid do not matter
+  double held = 1;
   if (speed > slipping) {
-    t[0] = -u1 / speed;
-    t[1] = -u2 / speed;
-    entry.slip_speed = speed;
-  } else if (force > 0.5 * law.friction_bound() && force > 0) {
-    t[0] = f[0] / force;  // stuck, and near enough to the bound for the corners of the pyramid to matter
-    t[1] = f[1] / force;
-  } else {
-    return;
+    // As slips: each contact carries the part of the body's mass that it has of all that presses it.
+    sum_presses(lane);
+    const double press = law.normal_impulse();
+    held = press > 0 ? pressed_[port.body()] / (press * bodies_.mass(port.body())) : 0;
+    t[0] = held * f[0] - u1;
+    t[1] = held * f[1] - u2;
+    least *= held;
+  }
+  const double length = std::sqrt(t[0] * t[0] + t[1] * t[1]);
+  if (!(length > least)) return;
+  t[0] /= length;
+  t[1] /= length;
+  const double rotated[2] = {t[0] * f[0] + t[1] * f[1], -t[1] * f[0] + t[0] * f[1]};
+  if (speed > slipping) {
+    entry.slip_speed = length;
+    entry.turn_by_mass = held * rotated[1] / (length * bodies_.mass(port.body()));
   }
   if (t[0] > std::cos(smallest_turn)) return;
-  const Vec3 tangent = (t[0] * port.tangent1() + t[1] * port.tangent2()).normalized();
-  const double rotated[2] = {t[0] * f[0] + t[1] * f[1], -t[1] * f[0] + t[0] * f[1]};
-  port.set_tangent(tangent);
+  port.set_tangent((t[0] * port.tangent1() + t[1] * port.tangent2()).normalized());
   entry.turned = entry.slip_speed > 0;
   law.split_friction(rotated);
 }

@@ -78,7 +78,10 @@ class Contacts {
     bool turned = false;  ///< its basis turned to the slip before this step
     int saved = -1;  ///< place in saved_: tangent, impulses along the normal and the facets; four facets keep their own
     bool saved_active = false;
-    double slip_speed = 0;  ///< then, and before steps whose slip kept the basis [m/s]; 0: it does not follow the slip
+    /// Then, and before steps whose slip kept the basis: |u| and what friction stops in a step [m/s], as Contacts::align
+    /// adds them. 0: the basis does not follow the slip.
+    double slip_speed = 0;
+    double turn_by_mass = 0;  ///< likewise: angle by which that of the body turns t1, against t2 [rad/kg]
   };
   template <class F>
   auto visit(const Entry& entry, F&& f);
@@ -89,10 +92,11 @@ class Contacts {
   template <class F>
   void each_entry(int lane, F&& f) const;
   void add(const Contact& contact, int source, int body);
+  void sum_presses(int lane);
   template <class PortType, class Law>
-  void prepare_entry(Entry& entry, PortType& port, Law& law, const Approach& approach, const Step& step);
+  void prepare_entry(int lane, Entry& entry, PortType& port, Law& law, const Approach& approach, const Step& step);
   template <class PortType, class Law>
-  void align(Entry& entry, PortType& port, Law& law, double u1, double u2);
+  void align(int lane, Entry& entry, PortType& port, Law& law, double u1, double u2);
 
   Bodies& bodies_;
   Interleaving side_by_side_;
@@ -106,6 +110,8 @@ class Contacts {
   std::vector<int> list_[3];
   int batch_number_[3] = {-1, -1, -1};
   std::vector<double> saved_;
+  bool presses_summed_ = false;        ///< in this step
+  std::vector<double> pressed_;           ///< by body: normal impulses of its contacts with friction in the last step [N s]
   std::vector<double> facet_impulses_;  ///< scratch of load_record
 };
 

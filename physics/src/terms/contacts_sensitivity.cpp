@@ -37,7 +37,7 @@ void ContactPort<Rows>::differentiate(std::span<const double> x, const ContactRe
   pose.template bottomRightCorner<3, 3>() -= turned_arm(pushed);
   if constexpr (Rows == 3) {
     if (response.slip_speed == 0) return;
-    // t1 = -u0/|u0| turns by da = -t2 . du0 / |u0|:  dt1 = t2 da, dt2 = -t1 da.
+    // t1 = t/|t|, t = f/m - u0 with shares of it, turns by da = -t2 . (du0 + f dm/m^2) / |t|:  dt1 = t2 da, dt2 = -t1 da.
     const double *u = response.rate, *f = response.force;
     Vector6 by_turn = stiff.col(1) * u[2] - stiff.col(2) * u[1];
     by_turn -= force.col(2) * f[1] - force.col(1) * f[2];
@@ -47,6 +47,7 @@ void ContactPort<Rows>::differentiate(std::span<const double> x, const ContactRe
     slip_by_velocity << axis[2], g_.lever[2];
     pose.noalias() += by_turn * (slip_by_pose.transpose() / -response.slip_speed);
     out.velocity[body_].noalias() += by_turn * (slip_by_velocity.transpose() / -response.slip_speed);
+    out.mass[body_] -= by_turn * response.turn_by_mass;
   }
 }
 
@@ -76,7 +77,10 @@ void Contacts::differentiate(int lane, std::span<const double> x, bool basis_fol
       law.residual(response.rate, response.force);
       law.condense(stiffness * law.scale(), response.stiffness);
       if constexpr (rows == 3) {
-        if (entry.aligned && (entry.turned || basis_follows)) response.slip_speed = entry.slip_speed;
+        if (entry.aligned && (entry.turned || basis_follows)) {
+          response.slip_speed = entry.slip_speed;
+          response.turn_by_mass = entry.turn_by_mass;
+        }
         double by_friction[2];
         law.friction_derivative(by_friction);
         out.friction.push_back({entry.source, bodies_.row[port.body()], 6,

@@ -35,7 +35,7 @@ struct Sensitivity {
 
   // By rigid body, its own six rows.
   std::vector<Matrix6> pose, velocity;
-  std::vector<Vec3> mass;                              ///< the first three rows
+  std::vector<Vector6> mass;
   std::vector<Eigen::Matrix<double, 3, 6>> inertia;    ///< the last three, by Jxx, Jyy, Jzz, Jxy, Jxz, Jyz
   std::vector<Mat3> carry;  ///< how a rotation before the step appears after it: theta_2 = carry theta_1
   std::vector<Mat3> turn;   ///< theta_2 = dt turn dw'
