@@ -116,6 +116,38 @@ TEST(FactorStates, AnotherShiftIsAppliedToAllThatIsFactoredAgain) {
   EXPECT_EQ(x, y);
 }
 
+/// Two rows hold x twice, the second by so little another row that its pivot is `rest` after the first.
+Factorization held_twice(double rest) {
+  BlockGraph graph;
+  const NodeId x = graph.add_node("x", 2), once = graph.add_node("once", 1, NodeKind::saddle),
+               twice = graph.add_node("twice", 1, NodeKind::saddle);
+  graph.add_edge(x, once, EdgeRank::full), graph.add_edge(x, twice, EdgeRank::full);
+  const auto symbolic = std::make_shared<const Symbolic>(graph, natural_ordering(graph), Packs::off);
+  Factorization f(symbolic, FactorizationKind::ldu);
+  for (int i = 0; i < 2; ++i) f.entry(symbolic->block(x, x), i, i) = 1;
+  for (const NodeId row : {once, twice}) f.entry(symbolic->block(row, x), 0, 0) = f.entry(symbolic->block(x, row), 0, 0) = 1;
+  f.entry(symbolic->block(twice, x), 0, 1) = f.entry(symbolic->block(x, twice), 1, 0) = std::sqrt(rest);
+  return f;
+}
+
+/// A multiplier that nearly is none of its own would be whatever is left of the residual, over the shift.
+TEST(FactorStates, RowsThatNearlyDependAreLeftOutInsteadOfShifted) {
+  for (const double rest : {0.0, 1e-10, 1e-6}) {
+    Factorization shifted = held_twice(rest), left_out = held_twice(rest);
+    shifted.set_saddle_shift(1e-12);
+    left_out.set_saddle_shift(1e-12, 1e-8);
+    EXPECT_EQ(shifted.factorize().dropped_rows, 0) << rest;
+    EXPECT_EQ(left_out.factorize().dropped_rows, rest < 1e-8 ? 1 : 0) << rest;
+    std::vector<double> x{0, 0, 1, 1 + 1e-7}, y = x;
+    shifted.solve(x), left_out.solve(y);
+    EXPECT_NEAR(y[0], 1, 1e-6) << rest;
+    if (rest > 0) continue;
+    EXPECT_GT(std::abs(x[3]), 1e4);
+    EXPECT_EQ(y[3], 0);
+    EXPECT_NEAR(y[2], -1, 1e-12);
+  }
+}
+
 /// Eight of each, so that they go in packs where there are any.
 struct Saddles {
   static constexpr int copies = 8;

@@ -74,7 +74,11 @@ class Factorization {
   /// Proximal shift: every saddle row gets this part of what its neighbours added to its diagonal on top, with the
   /// same sign. Bounds what rounding can do where neighbours are very stiff; refine() and Newton iterations take it
   /// out again. 0 at first: the matrix is factored as it is; usual are 1e-12 to 1e-8. No effect on cholesky.
-  void set_saddle_shift(double relative);
+  /// leave_out: in ldu, rows that may depend on others (Symbolic::may_depend) are left out instead, as without a shift,
+  /// where their pivot is below this part of what was added, and no more than a tenth of them couples to later blocks.
+  /// For iterations that evaluate such rows anew: a shift of 1e-12 makes 1e12 times what is left of the residual along a
+  /// dependence a multiplier, which nothing takes back. Usual is 1e-8; 0: none.
+  void set_saddle_shift(double relative, double leave_out = 0);
 
   struct Outcome {
     int dropped_rows = 0;         ///< dependent rows found inside saddle blocks and left out

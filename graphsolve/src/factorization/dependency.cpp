@@ -22,6 +22,8 @@ bool Factorization::Impl::couples_later(int k, const PivotBlocks& blocks) {
   const double* a = blocks.diagonal;
   const double* column = blocks.upper;
   double* x = work_.data() + 2 * d * d;
+  const double couples = leaves_out(k) ? thresholds::couples_on_the_way : thresholds::couples;
+  const double couples_of_made = leaves_out(k) ? thresholds::couples_on_the_way : thresholds::couples_of_made;
   for (const int coupled : s.coupled(k)) {
     const Symbolic::Pivot& later = s.pivot(coupled);
     for (int c = 0; c < later.dimension; ++c, column += d) {
@@ -35,7 +37,7 @@ bool Factorization::Impl::couples_later(int k, const PivotBlocks& blocks) {
         const int original = original_row(k, i);
         const double made_of = std::max(references_.panel(k, original), std::sqrt(references_.own(k, original) * own));
         const double rest = std::abs(x[i]);  // NaN couples
-        if (!(rest <= thresholds::couples * largest) && !(rest <= thresholds::couples_of_made * made_of)) return true;
+        if (!(rest <= couples * largest) && !(rest <= couples_of_made * made_of)) return true;
       }
     }
   }

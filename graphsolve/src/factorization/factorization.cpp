@@ -20,7 +20,7 @@ Factorization& Factorization::operator=(Factorization&& other) noexcept {
 
 Factorization Factorization::twin() const {
   Factorization other(impl_->symbolic(), impl_->kind());
-  other.impl_->set_saddle_shift(impl_->saddle_shift());
+  other.impl_->set_saddle_shift(impl_->saddle_shift(), impl_->leave_out());
   return other;
 }
 
@@ -34,7 +34,7 @@ void Factorization::leave_unzeroed(std::span<const BlockHandle> blocks) { impl_-
 void Factorization::allow_refinement() { impl_->allow_refinement(); }
 void Factorization::keep_matrix(bool keep) { impl_->keep_matrix(keep); }
 std::span<const double> Factorization::matrix() const { return impl_->matrix(); }
-void Factorization::set_saddle_shift(double relative) { impl_->set_saddle_shift(relative); }
+void Factorization::set_saddle_shift(double relative, double leave_out) { impl_->set_saddle_shift(relative, leave_out); }
 
 Factorization::Outcome Factorization::factorize() { return impl_->factorize(); }
 Factorization::Outcome Factorization::factorize(int component) { return impl_->factorize({&component, 1})[component]; }

@@ -37,12 +37,21 @@ class Factorization::Impl {
   void allow_refinement();
   void keep_matrix(bool keep) { keep_matrix_ = keep; }
   [[nodiscard]] std::span<const double> matrix() const { return matrix_; }
-  void set_saddle_shift(double relative) {
-    if (relative != saddle_shift_) complete_ = false;
+  void set_saddle_shift(double relative, double leave_out) {
+    if (relative != saddle_shift_ || leave_out != leave_out_) complete_ = false;
     saddle_shift_ = relative;
+    leave_out_ = leave_out;
     references_.set_shifted(relative != 0);
   }
   [[nodiscard]] double saddle_shift() const { return saddle_shift_; }
+  [[nodiscard]] double leave_out() const { return leave_out_; }
+  /// Are rows of this block left out where they depend on others, and shifted only else?
+  [[nodiscard]] bool leaves_out(int k) const {
+    return saddle_shift_ != 0 && leave_out_ != 0 && !symmetric() && symbolic_->pivot(k).may_depend;
+  }
+  /// Below this part of what was added, a pivot of a block that may depend is looked at again: 0 where all are shifted. A
+  /// small pivot can hide in two that are small, where no columns are exchanged.
+  [[nodiscard]] double suspicious_pivot() const;
   [[nodiscard]] Outcome factorize();
   std::span<const Outcome> factorize(std::span<const int> components);
   [[nodiscard]] Outcome factorize_and_solve(std::span<double> x);
@@ -96,6 +105,7 @@ class Factorization::Impl {
   bool factorize_pivot(int k, const PivotBlocks& blocks, Outcome& outcome);
   bool factorize_one(int k, const PivotBlocks& blocks, Outcome& outcome);
   bool factorize_pivot_any(int k, const PivotBlocks& blocks, Outcome& outcome);
+  bool factorize_suspicious(int k, const PivotBlocks& blocks, const double* reference, Outcome& outcome);
   [[nodiscard]] simd::Definite definite(int k) const;
   bool factorize_pivot_symmetric(int k, const PivotBlocks& blocks, Outcome& outcome);
   bool factorize_pivot_indefinite(int k, const PivotBlocks& blocks, Outcome& outcome);
@@ -208,7 +218,8 @@ class Factorization::Impl {
   Standing standing_;
   bool keep_matrix_ = false;
   double largest_entry_ = 0;          ///< of the kept part of the matrix
-  double saddle_shift_ = 0;
+  double saddle_shift_ = 0, leave_out_ = 0;
+  double sign_ = 1;  ///< of what was added to the diagonal of the saddle block at hand
 };
 
 }  // namespace graphsolve

@@ -171,6 +171,10 @@ void Factorization::Impl::drop_rows(int k, Outcome& outcome) {
   for (int m = rank_[k]; m < p.dimension; ++m) dropped_.push_back({p.node, original_row(k, m)});
 }
 
+double Factorization::Impl::suspicious_pivot() const {
+  return saddle_shift_ == 0 ? dependent : symmetric() ? 0.0 : std::sqrt(leave_out_);
+}
+
 void Factorization::Impl::shift_pivot(int k, double* diagonal) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
   const bool tracked = references_.track(k);
@@ -195,10 +199,16 @@ bool Factorization::Impl::factorize_pivot(int k, const PivotBlocks& blocks, Outc
 
 bool Factorization::Impl::factorize_one(int k, const PivotBlocks& blocks, Outcome& outcome) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
-  if (p.saddle && saddle_shift_ != 0 && kind_ != FactorizationKind::cholesky) shift_pivot(k, blocks.diagonal);
+  if (p.saddle && saddle_shift_ != 0 && kind_ != FactorizationKind::cholesky && !leaves_out(k)) shift_pivot(k, blocks.diagonal);
   if (symmetric() && !references_.start_with(k)) references_.start(k, values_.data());
-  if (references_.track(k))
-    for (int i = 0; i < p.dimension; ++i) references_.own(k, i) = std::abs(references_.own(k, i));
+  if (references_.track(k)) {
+    double sum = 0;
+    for (int i = 0; i < p.dimension; ++i) {
+      sum += references_.own(k, i);
+      references_.own(k, i) = std::abs(references_.own(k, i));
+    }
+    sign_ = sum < 0 ? -1 : 1;
+  }
   rank_[k] = p.dimension;
   const bool regular = symmetric() ? factorize_pivot_symmetric(k, blocks, outcome) : factorize_pivot_any(k, blocks, outcome);
   if (!regular) outcome.first_bad_pivot = k;
@@ -217,32 +227,47 @@ bool all_finite(const double* values, int count) {
 /// LU of the diagonal block. Row exchanges suffice unless rows of a saddle block depend on earlier ones.
 bool Factorization::Impl::factorize_pivot_any(int k, const PivotBlocks& blocks, Outcome& outcome) {
   const Symbolic::Pivot& p = symbolic_->pivot(k);
-  const int d = p.dimension, row = first_row_[k];
+  const int d = p.dimension;
   double* diagonal = blocks.diagonal;
-  const bool look_for_dependence = p.may_depend && saddle_shift_ == 0;  // a shifted block is regular
-  if (look_for_dependence) std::copy_n(diagonal, d * d, work_.data());
-  const double smallest = kernels_->factor(d)(diagonal, row_exchange_.data() + row, d);
+  const bool looks = p.may_depend && (saddle_shift_ == 0 || leaves_out(k));  // a shifted block is regular
+  if (looks) std::copy_n(diagonal, d * d, work_.data());
+  const double smallest = kernels_->factor(d)(diagonal, row_exchange_.data() + first_row_[k], d);
   outcome.operations += lu_operations(d);
-  double buffer[simd::largest_dimension];
-  const double* reference = look_for_dependence ? references_.side_by_side(k, buffer) : nullptr;
-  if (look_for_dependence && !std::isnan(smallest) && !(smallest > dependent * *std::max_element(reference, reference + d))) {
+  if (looks && !std::isnan(smallest)) {
+    double buffer[simd::largest_dimension];
+    const double* reference = references_.side_by_side(k, buffer);
+    if (!(smallest > suspicious_pivot() * *std::max_element(reference, reference + d)))
+      return factorize_suspicious(k, blocks, reference, outcome);
+  }
+  return smallest >= thresholds::least_pivot;
+}
+
+/// The block stands in work_. Rows that depend are left out; where they only seem to, the block is boosted or shifted.
+bool Factorization::Impl::factorize_suspicious(int k, const PivotBlocks& blocks, const double* reference, Outcome& outcome) {
+  const int d = symbolic_->dimension(k), row = first_row_[k];
+  double* diagonal = blocks.diagonal;
+  const auto factor_again = [&] { return kernels_->factor(d)(diagonal, row_exchange_.data() + row, d) >= thresholds::least_pivot; };
+  std::copy_n(work_.data(), d * d, diagonal);
+  if (!all_finite(diagonal, d * d)) return false;  // a column of zeros ends the search before it meets them
+  rank_[k] = factor_rank_revealing(diagonal, d, reference, leaves_out(k) ? leave_out_ : dependent, row_exchange_.data() + row,
+                                   column_exchange_.data() + row, work_.data() + d * d);
+  outcome.operations += lu_operations(d);
+  if (leaves_out(k) ? rank_[k] < d && !couples_later(k, blocks) : !couples_later(k, blocks)) {
+    drop_rows(k, outcome);
+    return true;
+  }
+  const bool regular = rank_[k] == d;
+  if (leaves_out(k)) {
     std::copy_n(work_.data(), d * d, diagonal);
-    if (!all_finite(diagonal, d * d)) return false;  // a column of zeros ends the search before it meets them
-    rank_[k] = factor_rank_revealing(diagonal, d, reference, dependent, row_exchange_.data() + row,
-                                     column_exchange_.data() + row, work_.data() + d * d);
-    outcome.operations += lu_operations(d);
-    if (!couples_later(k, blocks)) {
-      drop_rows(k, outcome);
-      return true;
-    }
+    for (int i = 0; i < d && !regular; ++i) diagonal[i * (d + 1)] += sign_ * saddle_shift_ * reference[i];
+  } else {
     if (!keep_matrix_) return false;  // boosting calls for refinement
     outcome.boosts += d - rank_[k];
     if (!boost(k, blocks, work_.data())) return false;
-    rank_[k] = d;
     std::copy_n(work_.data(), d * d, diagonal);
-    return kernels_->factor(d)(diagonal, row_exchange_.data() + row, d) >= thresholds::least_pivot;
   }
-  return smallest >= thresholds::least_pivot;
+  rank_[k] = d;
+  return factor_again();
 }
 
 /// The blocks between the couplings lose L D^-1 U.

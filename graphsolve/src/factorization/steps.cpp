@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "factorization/impl.hpp"
+#include "factorization/thresholds.hpp"
 #include "simd/pivot_kernels.hpp"
 
 /// Elimination along the program: up to eight equal pivots at a time.
@@ -35,7 +36,8 @@ void Factorization::Impl::factorize_active(Count count, const Vectors* right) {
   const simd::PackNumbers numbers{.values = values_.data(),
                                   .scratch = scratch_.data(),
                                   .reference = references_.in_lanes(),
-                                  .saddle_shift = kind_ == FactorizationKind::cholesky ? 0.0 : saddle_shift_};
+                                  .saddle_shift = kind_ == FactorizationKind::cholesky ? 0.0 : saddle_shift_,
+                                  .suspicious = suspicious_pivot()};
   const auto forward = [&](int k) { solve_forward(k, right->x, 1); };
   if (!in_packs()) {  // in the order of the pivots, as refactorize() goes
     for (const int c : taking_part_.components()) {

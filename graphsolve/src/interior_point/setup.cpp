@@ -17,6 +17,7 @@ namespace graphsolve {
 namespace {
 
 constexpr double saddle_shift = 1e-12;  ///< of the diagonal of a constraint's pivot block; Newton takes it out again
+constexpr double leave_out = 1e-8;      ///< of the same: rows with a smaller pivot keep their multiplier, if they depend
 
 void check(const InteriorPointSettings& settings) {
   const auto positive = [](double value, const char* name) {
@@ -86,7 +87,7 @@ InteriorPoint::Impl::Impl(Problem& problem, std::shared_ptr<const Symbolic> symb
   find_row_ranges();
   kernels_ = &simd::vector_kernels();
   factorization_.allow_refinement();
-  factorization_.set_saddle_shift(saddle_shift);
+  factorization_.set_saddle_shift(saddle_shift, leave_out);
   reports_.resize(components);
   selected_.resize(components);
   std::iota(selected_.begin(), selected_.end(), 0);
@@ -286,7 +287,7 @@ Factorization::Outcome InteriorPoint::Impl::factorize_terms(std::span<const doub
   factorization_.set_saddle_shift(0);  // dependent rows are to be seen
   factorization_.keep_matrix(true);    // and named by diagnose()
   const Factorization::Outcome outcome = factorization_.factorize();
-  factorization_.set_saddle_shift(saddle_shift);
+  factorization_.set_saddle_shift(saddle_shift, leave_out);
   return outcome;
 }
 

@@ -187,12 +187,12 @@ HWY_INLINE unsigned factor_saddle(const PackJob& job, PackOf<L>* lu, int d) {
   P reference[D ? D : largest_dimension], largest(0.0);
   load_references(job, d, reference);
   for (int i = 0; i < d; ++i) {
-    lu[i * (d + 1)] = multiply_add(P(shift), reference[i], lu[i * (d + 1)]);
+    if (job.numbers.suspicious == 0) lu[i * (d + 1)] = multiply_add(P(shift), reference[i], lu[i * (d + 1)]);
     largest = max(largest, abs(reference[i]));
   }
   unsigned other = factor<D>(lu, d);
-  if (shift != 0) return other;  // a shifted block is regular
-  const P smallest = P(thresholds::dependent) * largest;
+  if (job.numbers.suspicious == 0) return other;  // a shifted block is regular
+  const P smallest = P(job.numbers.suspicious) * largest;
   for (int i = 0; i < d; ++i) other |= ~bits(P(1.0) > smallest * abs(lu[i * (d + 1)]));  // reciprocals
   return other;
 }

@@ -23,6 +23,7 @@ struct PackNumbers {
   double* scratch;       ///< Program::scratch_size()
   double* reference;     ///< in lanes: amounts that pivots are compared with (Factorization)
   double saddle_shift;
+  double suspicious;  ///< below this part of what was added, blocks that may depend go alone; 0: they are shifted
 };
 
 /// What a pack's elimination works on.

@@ -45,6 +45,8 @@ std::vector<std::string> Simulator::redundancies() const {
   const Lane& lane = s.lanes.front();
   const Kept kept(s);
   s.begin(lane_of_simulator, s.dt);
+  // At rest: where velocities lead, joints are open by what curves, and their rows only nearly depend.
+  for (int i = 0; i < s.bodies.size(); ++i) std::fill_n(s.unknowns.data() + s.bodies.row[i], 6, 0.0);
   for (int j = 0; j < s.joints.size(); ++j) s.joints.prepare(j, lane.time(1), s.dt);
   s.joints.aim(lane_of_simulator);
   (void)s.solver->factorize_terms(s.unknowns);  // rows that it drops are there whether or not a later pivot failed
