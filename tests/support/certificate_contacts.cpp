@@ -110,7 +110,9 @@ void judge_friction(const Step& step, std::size_t index, const Vec3& normal, Cer
 
 }  // namespace
 
+/// Of a step in parts it is the last part that leads to the new distances, with the impulse of its own time.
 void judge_gaps(const Step& step, Certificate& result) {
+  const int parts = step.after.solver ? step.after.solver->substeps : 1;
   for (std::size_t i = 0; i < step.mechanism.contacts.size(); ++i) {
     const Contact& contact = step.mechanism.contacts[i];
     const ContactRecord& record = step.after.contacts[i];
@@ -120,7 +122,7 @@ void judge_gaps(const Step& step, Certificate& result) {
     result.distance_difference.raise(std::abs(gap - record.distance), step.after.step, contact.name);
     result.penetration.raise(-gap / step.dt, step.after.step, contact.name);
     result.tension.raise(-unit * record.normal_force, step.after.step, contact.name);
-    const double pair = complementarity(gap / step.dt, unit * record.normal_force);
+    const double pair = complementarity(parts * gap / step.dt, unit / parts * record.normal_force);
     result.gap_pairs.raise(pair, step.after.step, contact.name);
   }
 }

@@ -10,7 +10,7 @@ namespace graphsolve {
 namespace {
 
 constexpr int middle_passes = 30;    ///< of the second look
-constexpr double rounding = 4e-15;   ///< of what the sizes of the entries make of the vector, signs left out
+constexpr double rounding_of_sizes = 4e-15;   ///< of what the sizes of the entries make of the vector, signs left out
 constexpr double agrees = 1.01;      ///< what factors say of a vector and what the matrix does to it
 constexpr double shift_slack = 2;    ///< times the shift of the diagonal
 
@@ -45,7 +45,7 @@ class Scaled {
   /// not grow with the number of rows, and the smallest singular value of a long chain falls with its square. False of NaN.
   [[nodiscard]] bool shortened_to_rounding(const Eigen::VectorXd& v, double slack) const {
     const double unsigned_length = (matrix_.cwiseAbs() * v.cwiseAbs()).norm();
-    return (matrix_ * v).norm() - slack * v.norm() <= rounding * unsigned_length;
+    return (matrix_ * v).norm() - slack * v.norm() <= rounding_of_sizes * unsigned_length;
   }
 
   Scales scales_;
