@@ -200,7 +200,7 @@ Comparison compare(const Case& test, StepInput input) {
   return result;
 }
 
-double transposed_error(const Case& test) {
+double transposed_error(const Case& test, double least) {
   Stepped at(start_of(test), test.gradient);
   std::mt19937_64 random{5};
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -216,7 +216,7 @@ double transposed_error(const Case& test) {
     at.gradient.jacobian(input, {jacobian.data(), static_cast<std::size_t>(jacobian.size())});
     const Eigen::VectorXd expected = jacobian.transpose() * adjoint;
     const double off = (gradient.segment(at.gradient.offset(input), jacobian.cols()) - expected).lpNorm<Eigen::Infinity>();
-    if (off > 0) largest = std::max(largest, off / expected.lpNorm<Eigen::Infinity>());
+    if (off > 0) largest = std::max(largest, off / std::max(least, expected.lpNorm<Eigen::Infinity>()));
   }
   return largest;
 }

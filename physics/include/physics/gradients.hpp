@@ -55,7 +55,8 @@ enum class StepInput {
 /// that led to the pose, after a half_kick start those at the pose.
 ///
 /// One object holds the linearisation of one step, so N of them are the tape of N steps; they must not outlive the
-/// simulator. Allocates in the constructor only. The simulator is left as it was, to the last bit.
+/// simulator. Allocates in the constructor, and where friction has to give way to what presses. The simulator is left
+/// as it was, to the last bit.
 class StepGradient {
  public:
   /// Throws std::invalid_argument when smoothing is negative or not finite.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <numbers>
 #include <stdexcept>
 
 #include "gradients/gradients_impl.hpp"
@@ -59,12 +60,16 @@ StepGradient::Impl::Impl(Simulator::Impl& owner, const GradientSettings& options
       next(owner.bodies.size()),
       row(owner.bodies.row),
       adjoint(owner.unknowns),
+      scratch(owner.unknowns),
       solutions(static_cast<Eigen::Index>(owner.unknowns.size()), pass_columns),
       transposed(pass_columns, solutions.rows()),
-      product(pass_columns, 0),
-      stiffness(stiffness_of(lane().mechanism, owner.assembly(only))) {
+      product(pass_columns, 0) {
   if (!(settings.smoothing >= 0 && std::isfinite(settings.smoothing)))
     throw std::invalid_argument(fmt::format("smoothing {} is not a finite number >= 0", settings.smoothing));
+  matrix.set_saddle_shift(0);  // nothing takes it out again here
+  const Assembly assembly = owner.assembly(only);
+  stiffness = stiffness_of(lane().mechanism, assembly);
+  for (const RigidBody& body : assembly.bodies) gyration.push_back(std::sqrt(body.smallest_inertia / body.mass));
   int widest = 0;
   for (const StepInput input : {StepInput::state, StepInput::load, StepInput::effort, StepInput::friction,
                                 StepInput::mass, StepInput::inertia})
@@ -116,6 +121,7 @@ GradientStatus StepGradient::Impl::evaluate() {
     add_load_arms();
     s.joints.differentiate(x, start, sensitivity);
     s.contacts->differentiate(only, x, settings.friction_basis == FrictionBasis::following, stiffness, sensitivity);
+    find_yielding_normals();
     for (int i = 0; i < s.bodies.size(); ++i) next[i] = s.bodies.pose_next(i);
     ready = true;
   }
@@ -135,6 +141,20 @@ void StepGradient::Impl::add_load_arms() {
     const Vec3 local = simulator.bodies.pose_now(place.body).rotation.transpose() * load.force;
     sensitivity.pose[place.body].bottomRightCorner<3, 3>() -= impulse_time * skew(place.offset) * skew(local);
   }
+}
+
+/// Asked by an adjoint of velocities in general position, angular ones on the radius of gyration.
+void StepGradient::Impl::find_yielding_normals() {
+  std::fill(adjoint.begin(), adjoint.end(), 0.0);
+  double number = 0;
+  for (int i = 0; i < bodies(); ++i) {
+    for (int k = 0; k < 6; ++k) {
+      number = std::fmod(number + std::numbers::phi, 1.0);
+      const double general = number < 0.5 ? 0.5 + number : -number;  // 1/2 to 1, of either sign
+      adjoint[row[i] + k] = general * (k < 3 ? 1 : gyration[i]);
+    }
+  }
+  normals.find(matrix, sensitivity, adjoint, scratch);
 }
 
 int StepGradient::Impl::columns(StepInput input) const {

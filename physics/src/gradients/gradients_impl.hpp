@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "gradients/normals_first.hpp"
 #include "graphsolve/factorization.hpp"
 #include "physics/gradients.hpp"
 #include "terms/sensitivity.hpp"
@@ -14,7 +15,7 @@ struct StepGradient::Impl {
   /// Bodies whose velocities are the right-hand sides of one pass of jacobian().
   static constexpr int bodies_per_pass = pass_columns / 6;
   /// Derivatives of the velocities of one pass, a column per input.
-  using Pass = Eigen::Matrix<double, pass_columns, Eigen::Dynamic>;
+  using Pass = NormalsFirst::Pass;
 
   /// Puts the simulator back before its last step for as long as it lives; then it is as it was, to the last bit.
   class Rewound {
@@ -32,6 +33,7 @@ struct StepGradient::Impl {
   Impl(Simulator::Impl& owner, const GradientSettings& options);
   GradientStatus evaluate();
   void add_load_arms();
+  void find_yielding_normals();
   [[nodiscard]] Lane& lane() const { return simulator.lanes.front(); }
   void check(std::string_view name, std::size_t given, int wanted) const;
   [[nodiscard]] int bodies() const { return static_cast<int>(next.size()); }
@@ -55,10 +57,13 @@ struct StepGradient::Impl {
   std::vector<NextPose> next;
   std::vector<int> row;          ///< of each moving body
   std::vector<double> adjoint;   ///< by row
+  std::vector<double> scratch;   ///< by row
+  NormalsFirst normals;
   Eigen::MatrixXd solutions;     ///< rows x pass_columns
   Pass transposed;               ///< of it, pass_columns x rows
   Pass product;                  ///< pass_columns x inputs
-  double stiffness;              ///< bound on z/s over the island's mass
+  double stiffness = 0;          ///< bound on z/s over the island's mass
+  std::vector<double> gyration;  ///< smallest radius of each moving body [m]
 };
 
 }  // namespace physics

@@ -20,6 +20,7 @@ void StepGradient::Impl::vector_jacobian(std::span<const double> next_adjoint, s
   matrix.solve_transposed(adjoint);
   const double* y = adjoint.data();
   std::fill(gradient.begin(), gradient.end(), 0.0);
+  if (!normals.empty()) normals.apply(sensitivity, adjoint, gradient);
   double* state = gradient.data();
   double* load = gradient.data() + offset(StepInput::load);
   double* mass = gradient.data() + offset(StepInput::mass);
@@ -27,8 +28,8 @@ void StepGradient::Impl::vector_jacobian(std::span<const double> next_adjoint, s
   a = next_adjoint.data();
   for (int i = 0; i < bodies(); ++i, a += 12) {
     const ConstMap6 yi(y + row[i]);
-    Map3(state + 12 * i) = ConstMap3(a);
-    Map3(state + 12 * i + 3).noalias() = d.carry[i].transpose() * ConstMap3(a + 3);
+    Map3(state + 12 * i) += ConstMap3(a);
+    Map3(state + 12 * i + 3).noalias() += d.carry[i].transpose() * ConstMap3(a + 3);
     Eigen::Map<Vector6>(state + 12 * i).noalias() -= d.pose[i].transpose() * yi;
     Eigen::Map<Vector6>(state + 12 * i + 6).noalias() -= d.velocity[i].transpose() * yi;
     Eigen::Map<Vector6>(load + 6 * i) = impulse_time * yi;
@@ -55,6 +56,7 @@ void StepGradient::Impl::solve_pass(int first, int count) {
   for (int k = 0; k < 6 * count; ++k) solutions(row[first + k / 6] + k % 6, k) = 1;
   matrix.solve_transposed({solutions.data(), static_cast<std::size_t>(6 * count * solutions.rows())}, 6 * count);
   transposed.noalias() = solutions.transpose();
+  if (!normals.empty()) normals.apply(sensitivity, transposed);
 }
 
 void StepGradient::Impl::multiply_state() {
@@ -62,6 +64,7 @@ void StepGradient::Impl::multiply_state() {
   const SubtractProduct subtract = subtract_product();
   const auto column = [](Pass& pass, int k) { return pass.data() + static_cast<std::ptrdiff_t>(k) * pass_columns; };
   product.leftCols(12 * bodies()).setZero();
+  if (!normals.empty()) normals.subtract_poses(sensitivity, product);
   for (int i = 0; i < bodies(); ++i) {
     const double* y = column(transposed, row[i]);
     subtract(column(product, 12 * i), y, d.pose[i].data(), 6, 6);

@@ -14,6 +14,7 @@ struct ContactResponse {
   double stiffness[Rows * Rows];   ///< K = -df/du, column-major
   double slip_speed = 0;           ///< before the step, where t1 follows the slip; 0: t1 is constant
   double turn_by_mass = 0;         ///< then; both as Contacts::Entry has them
+  bool presses = false;            ///< the normal is as stiff as it may be
 };
 
 /// How a contact stands before a step: of the material point that is lowest.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "terms/contacts.hpp"
@@ -35,6 +36,11 @@ void ContactPort<Rows>::differentiate(std::span<const double> x, const ContactRe
   Matrix6& pose = out.pose[body_];
   pose.noalias() += stiff * rate;
   pose.template bottomRightCorner<3, 3>() -= turned_arm(pushed);
+  if (response.presses) {
+    Vector6 by_velocity;
+    by_velocity << g_.normal, rate_normal_;
+    out.pressing.push_back({row_, body_, stiff.col(0), by_velocity, rate.row(0).transpose()});
+  }
   if constexpr (Rows == 3) {
     if (response.slip_speed == 0) return;
     // t1 = t/|t|, t = f/m - u0 with shares of it, turns by da = -t2 . (du0 + f dm/m^2) / |t|:  dt1 = t2 da, dt2 = -t1 da.
@@ -52,6 +58,9 @@ void ContactPort<Rows>::differentiate(std::span<const double> x, const ContactRe
 }
 
 namespace {
+
+/// Of the bound on stiffness, from which on friction may rival what presses.
+constexpr double sticks = 1e-6;
 
 /// A law or port that can be asked on its own.
 template <class T>
@@ -75,8 +84,11 @@ void Contacts::differentiate(int lane, std::span<const double> x, bool basis_fol
       port.prepare();
       port.evaluate(x, response.rate);
       law.residual(response.rate, response.force);
-      law.condense(stiffness * law.scale(), response.stiffness);
+      const double stiffest = stiffness * law.scale();
+      law.condense(stiffest, response.stiffness);
+      response.presses = response.stiffness[0] == stiffest;
       if constexpr (rows == 3) {
+        if (std::max(response.stiffness[4], response.stiffness[8]) > sticks * stiffest) out.something_sticks = true;
         if (entry.aligned && (entry.turned || basis_follows)) {
           response.slip_speed = entry.slip_speed;
           response.turn_by_mass = entry.turn_by_mass;

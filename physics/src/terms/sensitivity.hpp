@@ -32,6 +32,13 @@ struct Sensitivity {
     int parameter, row, rows;
     Vector6 values;
   };
+  /// The normal of a contact that presses, on the six rows of its body.
+  struct Press {
+    int row, body;
+    Vector6 force;    ///< -d force on the body by the normal rate, friction that follows it included
+    Vector6 rate;     ///< the normal rate by the velocity
+    Vector6 by_pose;  ///< and by the pose before the step
+  };
 
   // By rigid body, its own six rows.
   std::vector<Matrix6> pose, velocity;
@@ -41,6 +48,8 @@ struct Sensitivity {
   std::vector<Mat3> turn;   ///< theta_2 = dt turn dw'
   std::vector<PoseBlock> across;  ///< rows of others by the pose of a body
   std::vector<Column> effort, friction;
+  std::vector<Press> pressing;  ///< contacts whose normal is as stiff as it may be
+  bool something_sticks = false;  ///< friction that may have to give way to them
 
   /// Room for everything; nothing is allocated later.
   Sensitivity(int bodies, int joints, int contacts)
@@ -48,11 +57,14 @@ struct Sensitivity {
     across.reserve(4 * joints);
     effort.reserve(2 * joints);
     friction.reserve(contacts);
+    pressing.reserve(contacts);
   }
   void clear() {
     across.clear();
     effort.clear();
     friction.clear();
+    pressing.clear();
+    something_sticks = false;
   }
 };
 
