@@ -80,6 +80,9 @@ class InteriorPoint {
   [[nodiscard]] const Factorization& factorization() const;
   /// Of the caller, who keeps it as long as there are solves; null: none.
   void set_profile(Profile* profile);
+  /// Whether a component that fails starts cold seven times more, from pairs of other sizes, in place of the attempt with
+  /// frozen couplings: for who has nothing else left to try. Off at first.
+  void set_more_starts(bool more);
 
   /// Derivative of a solution: brings x and the laws, as a solve left them, to the central path of
   /// s z = smoothing * scale (scale: largest of the component's active pairs), and factors the matrix there into

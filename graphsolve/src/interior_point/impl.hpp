@@ -26,6 +26,7 @@ class InteriorPoint::Impl {
   [[nodiscard]] std::span<const double> residual() const { return residual_; }
   [[nodiscard]] const Factorization& factorization() const { return factorization_; }
   void set_profile(Profile* profile) { profile_ = profile; }
+  void set_more_starts(bool more) { more_starts_ = more; }
   Status linearize(std::span<double> x, double smoothing, double stiffness, Factorization& target);
   void restore_laws();
   [[nodiscard]] Factorization::Outcome factorize_terms(std::span<const double> x);
@@ -169,6 +170,7 @@ class InteriorPoint::Impl {
   bool solved_ = false;        ///< dx_ was solved for while the matrix was factored
   bool undone_ = false;  ///< some component went back by a step
   Profile* profile_ = nullptr;
+  bool more_starts_ = false;
 };
 
 

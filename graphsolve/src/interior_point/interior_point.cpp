@@ -23,6 +23,7 @@ Status InteriorPoint::solve(std::span<double> x, double force_factor, std::span<
 std::span<const ComponentReport> InteriorPoint::reports() const { return impl_->reports(); }
 std::span<const double> InteriorPoint::residual() const { return impl_->residual(); }
 const Factorization& InteriorPoint::factorization() const { return impl_->factorization(); }
+void InteriorPoint::set_more_starts(bool more) { impl_->set_more_starts(more); }
 void InteriorPoint::set_profile(Profile* profile) { impl_->set_profile(profile); }
 
 Status InteriorPoint::linearize(std::span<double> x, double smoothing, double stiffness, Factorization& target) {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "interior_point/impl.hpp"
@@ -9,6 +10,8 @@ namespace graphsolve {
 
 namespace {
 
+/// Sizes of pairs in further cold starts: which of them leads to a solution where the first does not is anybody's guess.
+constexpr double more_starts[] = {0.1, 10, 0.03, 3, 0.3, 30, 0.003};
 constexpr int most_freezes = 80;
 constexpr int undamped_freezes = 8;
 constexpr int most_doublings = 20;
@@ -104,8 +107,8 @@ double InteriorPoint::Impl::unit_of_forces(int c) const {
   return 1 / smallest;
 }
 
-/// Ladder: warm, cold at 1 m/s, cold at another scale, frozen couplings, cold at the size of all residuals, cold in the
-/// unit of the rows, end.
+/// Ladder: warm, cold at 1 m/s, cold at another scale, frozen couplings (or cold at many scales), cold at the size of all
+/// residuals, cold in the unit of the rows, end.
 void InteriorPoint::Impl::next_attempt(int c) {
   Course& course = course_[c];
   const Status cause = course.trouble;
@@ -125,7 +128,8 @@ void InteriorPoint::Impl::next_attempt(int c) {
   scale_[c] = scale_of_laws(c);
   const double unit = unit_of_forces(c);
   const bool rescale = scale_[c] < small_scale * unit;
-  const int most_attempts = (large > usual ? 5 : 4) + (rescale ? 1 : 0);
+  const int more = more_starts_ ? static_cast<int>(std::size(more_starts)) : 0, fourth = more > 0 ? more : 1;
+  const int most_attempts = 3 + fourth + (large > usual ? 1 : 0) + (rescale ? 1 : 0);
   if (degree_[c] == 0 || reports_[c].attempts == most_attempts) {
     reports_[c].status = cause;
     blame(c);
@@ -147,8 +151,9 @@ void InteriorPoint::Impl::next_attempt(int c) {
   }
   // The natural size of velocities here is what the start showed, but not less than 1. Where the data are much larger
   // than 1 (costs, prices), pairs that start small jam at their bounds.
-  restart_cold(c, attempt == 3 ? 0.01 : attempt == 5 ? large : usual);
-  if (attempt == 4) {
+  if (attempt > 3 && attempt <= 3 + more) restart_cold(c, more_starts[attempt - 4]);
+  else restart_cold(c, attempt == 3 ? 0.01 : attempt > 3 + fourth ? large : usual);
+  if (attempt == 4 && more == 0) {
     course.phase = Phase::frozen;
     for (std::size_t b = 0; b < ports.size(); ++b) ports[b]->relax(of_component(port_lists_[b], c), 1.0, change_);
   }

@@ -2,59 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <chrono>
 #include <cmath>
 #include <limits>
 
 #include "graphsolve/largest.hpp"
+#include "stepper/ladder.hpp"
 #include "terms/rotation.hpp"
 
 /// Steps of lanes: attempts, substeps, solves, new states.
 namespace physics {
 
 using graphsolve::Status;
-
-namespace {
-
-constexpr int more_when_turned = 16;  ///< the last resort may take this many times more substeps
-constexpr int jammed = 3;             ///< so many steps in a row that only the last resort solved
-
-/// The ways to try a step, in the usual order: as a whole, in 2, 4, ... parts, then all of these and more with the
-/// force directions at the new configuration.
-class Ladder {
- public:
-  explicit Ladder(int max_substeps)
-      : plain_(std::bit_width(static_cast<unsigned>(max_substeps))),
-        rungs_(plain_ + static_cast<int>(std::bit_width(static_cast<unsigned>(max_substeps) * more_when_turned))) {}
-
-  /// f(rung) for all but the first, until it returns true. What solved the step before mostly solves the next one too:
-  /// half as many parts are tried first, what was passed over comes last.
-  template <class F>
-  void climb(const StepResult& before, int turned_in_a_row, F&& f) const {
-    int first = 1;
-    if (turned_in_a_row >= jammed) {
-      if (plain_ > 1 && f(rung(plain_ - 1))) return;
-      first = std::max(plain_, plain_ + rung_of(before) - 1);
-    } else if (!before.new_force_direction) {
-      first = std::max(1, rung_of(before) - 1);
-    }
-    for (int k = first; k < rungs_; ++k)
-      if (f(rung(k))) return;
-    for (int k = 1; k < first; ++k)
-      if (f(rung(k))) return;
-  }
-
- private:
-  [[nodiscard]] Stepper::Rung rung(int k) const {
-    return {.parts = 1 << (k < plain_ ? k : k - plain_), .new_direction = k >= plain_};
-  }
-  static int rung_of(const StepResult& result) { return std::bit_width(static_cast<unsigned>(result.substeps)) - 1; }
-
-  int plain_, rungs_;
-};
-
-}  // namespace
 
 void Stepper::step(std::span<const int> stepped) {
   contacts->save(stepped);
@@ -63,17 +22,20 @@ void Stepper::step(std::span<const int> stepped) {
     if (lanes[lane].last.ok()) lanes[lane].before = lanes[lane].last;
     lanes[lane].last = {};
   }
-  attempt(stepped, {1, false});
+  attempt(stepped, {.parts = 1, .new_direction = false, .more_starts = false});
   const Ladder ladder(settings.max_substeps);
   for (const int lane : stepped) {
     Lane& l = lanes[lane];
-    if (!l.last.ok())
-      ladder.climb(l.before, l.turned_in_a_row, [&](const Rung& rung) {
+    if (!l.last.ok()) {
+      const auto again = [&](const Rung& rung) {
         restore(lane);
         attempt({&lane, 1}, rung);
         bodies.forget_missed(lane);  // so that who sums up momenta may begin anew after a step that was not whole
         return l.last.ok();
-      });
+      };
+      ladder.climb(l.before, l.turned_in_a_row, again);
+      if (!l.last.ok()) start_anywhere(lane, again);
+    }
     if (l.last.ok()) {
       ++l.step_index;
       l.turned_in_a_row = l.last.new_force_direction ? l.turned_in_a_row + 1 : 0;
@@ -86,8 +48,23 @@ void Stepper::step(std::span<const int> stepped) {
   bodies.force_at_next = false;
 }
 
+/// Where all rungs failed: from more starts. What is told of a step that fails all the same is what the rungs told.
+template <class Again>
+void Stepper::start_anywhere(int lane, Again&& again) {
+  Lane& l = lanes[lane];
+  const StepResult told = l.last;
+  const graphsolve::ComponentReport failure = l.failure;
+  for (int parts = 1; parts <= settings.max_substeps; parts *= 2)
+    if (again({.parts = parts, .new_direction = false, .more_starts = true})) return;
+  const int iterations = l.last.iterations;
+  l.last = told;
+  l.last.iterations = iterations;
+  l.failure = failure;
+}
+
 void Stepper::attempt(std::span<const int> tried, const Rung& rung) {
   bodies.force_at_next = rung.new_direction;
+  solver->set_more_starts(rung.more_starts);
   for (const int lane : tried) lanes[lane].attempt = {};
   going_.assign(tried.begin(), tried.end());
   for (int part = 1; part <= rung.parts && !going_.empty(); ++part) {

@@ -119,6 +119,7 @@ struct Stepper {
   struct Rung {
     int parts;
     bool new_direction;
+    bool more_starts;  ///< of every solve
   };
 
   SimulatorSettings settings;
@@ -164,6 +165,8 @@ struct Stepper {
   [[nodiscard]] JointGeometry on_lane(int lane, JointGeometry geometry) const;
 
   void attempt(std::span<const int> tried, const Rung& rung);
+  template <class Again>
+  void start_anywhere(int lane, Again&& again);
   void advance(std::span<const int> moved, int part, int parts);
   double prepare(int lane, double h, double end_time);
   void solve(std::span<const int> solved);
