@@ -156,9 +156,12 @@ TEST_F(Derivatives, ContactPortMatchesCentralDifferences) {
   port.set_tangent(normal.unitOrthogonal());
   port.prepare();
   std::vector<double> x(6);
-  for (double& value : x) value = uniform(-3, 3);
-  const auto report = graphsolve::check_port(port, x, 1e-5);
-  EXPECT_LE(report.largest_error, 1e-7) << report.where;
+  for (const SlipMeasure slip : {SlipMeasure::velocity, SlipMeasure::displacement}) {
+    port.set_slip(slip);
+    for (double& value : x) value = uniform(-3, 3);
+    const auto report = graphsolve::check_port(port, x, 1e-5);
+    EXPECT_LE(report.largest_error, 1e-7) << report.where;
+  }
 }
 
 template <class Law>

@@ -30,6 +30,9 @@ class PyramidContactsTest : public testing::TestWithParam<graphsolve::simd::Inst
   double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); }
   Vec3 vector(double size) { return {uniform(-size, size), uniform(-size, size), uniform(-size, size)}; }
 
+  /// Of both kinds, side by side in octets.
+  static SlipMeasure slip(int contact) { return contact % 3 == 1 ? SlipMeasure::velocity : SlipMeasure::displacement; }
+
   void build(int bodies_count, int contacts) {
     bodies.dt = 0.05;
     for (int b = 0; b < bodies_count; ++b) {
@@ -42,6 +45,7 @@ class PyramidContactsTest : public testing::TestWithParam<graphsolve::simd::Inst
       const Vec3 normal = vector(1).normalized();
       ContactPort<3> port(bodies, i * bodies_count / contacts, vector(0.5), normal, uniform(-1, 0), uniform(0, 0.2));
       port.set_tangent(normal.unitOrthogonal());
+      port.set_slip(slip(i));
       port.prepare();
       packs.add(port.body());
       friction.push_back(uniform(0.1, 1.5));
@@ -55,6 +59,7 @@ class PyramidContactsTest : public testing::TestWithParam<graphsolve::simd::Inst
       const ContactPort<3>& port = singles.port(i);
       packs.port(i).place(port.point(), port.normal(), port.plane_offset(), port.radius());
       packs.port(i).set_tangent(port.tangent1());
+      packs.port(i).set_slip(slip(i));
       packs.law(i).describe(friction[i], 2, 1e9, 4);
     }
     singles.wire(wiring);

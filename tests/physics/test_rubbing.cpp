@@ -55,10 +55,12 @@ TEST(Rubbing, ChainsThatNeedManyPartsAgainAreTriedInHalfAsManyFirst) {
 }
 
 /// A bar that hangs from a hinge and is jammed between it and the floor: no force directions at the old configuration hold
-/// it, step after step (412 iterations each when every step tried all of them).
+/// it, step after step (412 iterations each when every step tried all of them), where slip is the paper's.
 TEST(Rubbing, AJammedBarIsHeldWithoutTryingEverythingEveryTime) {
   Count count;
-  run(rubbing::scene(659), 200, count);
+  Mechanism scene = rubbing::scene(659);
+  for (Contact& contact : scene.contacts) contact.friction_model = FrictionModel::pyramid;
+  run(scene, 200, count);
   std::printf("             %.0f iterations on average\n", static_cast<double>(count.iterations) / 200);
   EXPECT_GT(count.turned, 20) << "the test shows nothing";
   EXPECT_LE(count.iterations, 350 * 200);

@@ -76,6 +76,18 @@ void report_cone(const Step& step, std::size_t index, const Friction& friction, 
   result.slip_angle.raise(angle, step.after.step, name);
 }
 
+/// Of `pyramid` the paper's, at the old pose; of `aligned` the way of the body's point from pose to pose, and what a
+/// sphere rolls.
+Vec3 slip_velocity(const Step& step, const Contact& contact, const Vec3& normal) {
+  const int body = contact.body.index;
+  const Placement &from = step.old_at(contact.body), &to = step.new_at(contact.body);
+  const Vec3 spin = from.r * step.after.bodies[body].angular_velocity;
+  if (contact.friction_model == physics::FrictionModel::aligned)
+    return (to.x - from.x + (to.r - from.r) * contact.point) / step.dt - spin.cross(contact.radius * normal);
+  const Vec3 from_centre = from.x - step.group_centre[body] + arm(step, contact, normal);
+  return step.group_velocity[body] + spin.cross(from_centre);
+}
+
 void judge_friction(const Step& step, std::size_t index, const Vec3& normal, Certificate& result) {
   const Contact& contact = step.mechanism.contacts[index];
   const ContactRecord& record = step.after.contacts[index];
@@ -90,10 +102,7 @@ void judge_friction(const Step& step, std::size_t index, const Vec3& normal, Cer
   const double crooked = std::max(std::abs(t1.norm() - 1), std::abs(t1.dot(normal)));
   result.pyramid.raise(crooked, step.after.step, contact.name);
 
-  const int body = contact.body.index;
-  const Vec3 spin = step.old_at(contact.body).r * step.after.bodies[body].angular_velocity;
-  const Vec3 from_centre = step.old_at(contact.body).x - step.group_centre[body] + arm(step, contact, normal);
-  const Vec3 velocity = step.group_velocity[body] + spin.cross(from_centre);
+  const Vec3 velocity = slip_velocity(step, contact, normal);
   Friction friction;
   friction.slip = velocity - normal * normal.dot(velocity);
   friction.bound = coefficient * record.normal_force;

@@ -80,7 +80,7 @@ class InteriorPoint {
   [[nodiscard]] const Factorization& factorization() const;
   /// Of the caller, who keeps it as long as there are solves; null: none.
   void set_profile(Profile* profile);
-  /// Whether a component that fails starts cold seven times more, from pairs of other sizes, in place of the attempt with
+  /// Whether a component that fails starts cold fourteen times more, from pairs of other sizes, in place of the attempt with
   /// frozen couplings: for who has nothing else left to try. Off at first.
   void set_more_starts(bool more);
 

@@ -11,7 +11,7 @@ namespace graphsolve {
 namespace {
 
 /// Sizes of pairs in further cold starts: which of them leads to a solution where the first does not is anybody's guess.
-constexpr double more_starts[] = {0.1, 10, 0.03, 3, 0.3, 30, 0.003};
+constexpr double more_starts[] = {0.1, 10, 0.03, 3, 0.3, 30, 0.003, 0.5, 2, 0.2, 5, 0.05, 20, 0.02};
 constexpr int most_freezes = 80;
 constexpr int undamped_freezes = 8;
 constexpr int most_doublings = 20;

@@ -10,9 +10,8 @@ namespace physics {
 
 /// How the basis of an `aligned` contact depends on the state before a step that slips.
 enum class FrictionBasis {
-  as_stepped,  ///< as the step did: where it turned, it follows the slip; where it was kept (0.01 rad), it is constant
-  following,   ///< as if it turned with the slip in every step. Neither is exact through many steps: use
-               ///< FrictionModel::pyramid
+  as_stepped,  ///< as the step did: where it turned, as it does with any slip, it follows; where it was kept, it is constant
+  following,   ///< as if it turned in every step. Neither is exact through many steps: use FrictionModel::pyramid
 };
 
 struct GradientSettings {

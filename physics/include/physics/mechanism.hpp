@@ -95,7 +95,10 @@ struct Joint {
   Extras extras = {};
 };
 
-enum class FrictionModel { pyramid, aligned };  ///< first direction fixed, or along the slip when a step begins
+enum class FrictionModel {
+  pyramid,  ///< the paper's: first direction fixed, slip is the velocity at the pose before the step
+  aligned   ///< first direction along the slip when a step begins; slip is the way from pose to pose
+};
 
 /// A contact point of a body against a fixed plane.
 struct Contact {

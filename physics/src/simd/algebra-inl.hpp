@@ -60,6 +60,9 @@ HWY_INLINE Vector3 operator+(const Vector3& a, const Vector3& b) { return {a.x +
 HWY_INLINE Vector3 operator-(const Vector3& a, const Vector3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 HWY_INLINE Vector3 operator-(const Vector3& a) { return {-a.x, -a.y, -a.z}; }
 HWY_INLINE Vector3 operator*(const Pack& s, const Vector3& a) { return {s * a.x, s * a.y, s * a.z}; }
+HWY_INLINE Vector3 select(const Mask& mask, const Vector3& yes, const Vector3& no) {
+  return {gs::select(mask, yes.x, no.x), gs::select(mask, yes.y, no.y), gs::select(mask, yes.z, no.z)};
+}
 HWY_INLINE Pack dot(const Vector3& a, const Vector3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 HWY_INLINE Vector3 cross(const Vector3& a, const Vector3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};

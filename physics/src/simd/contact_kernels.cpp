@@ -20,7 +20,7 @@ void Look(const ContactTask& task) {
   gs::load_transposed(task.x, 6, x, read(task));
   Matrix3 rotation;
   Vector3 position;
-  read_pose(task, [&](auto&& number) HWY_ATTR {
+  read_pose(task, task.now, [&](auto&& number) HWY_ATTR {
     position = three(number, 0);
     rotation = nine(number, 7);
   });
@@ -36,7 +36,7 @@ void Remember(const ContactTask& task, double factor) {
   const Keeper keep(task.used);
   Pack lever[3];
   Matrix3 rotation;
-  read_pose(task, [&](auto&& number) HWY_ATTR { rotation = nine(number, 7); });
+  read_pose(task, task.now, [&](auto&& number) HWY_ATTR { rotation = nine(number, 7); });
   const Vector3 local = transposed_times(rotation, load3(o.normal));
   const Vector3 arm = load3(o.point) - load(o.radius) * local;  // to the lowest point
   const auto keep_lever = [&](const Vector3& force, Octet* to) HWY_ATTR {
@@ -130,10 +130,9 @@ void Condense(const ContactTask& task) {
   Pack w[pairs];
   for (int k = 0; k < pairs; ++k) {
     const Pack s = load(o.s[k]), z = load(o.z[k]);
-    const Pack inverse = Pack(1.0) / (s * z), inverse_s = z * inverse;  // one division
-    store(inverse_s, o.inverse_s[k]);
-    store(s * inverse, o.inverse_z[k]);
-    w[k] = gs::min(z * inverse_s, cap);
+    const Pack inverse = Pack(1.0) / (s * z);  // one division
+    store(inverse, o.inverse[k]);
+    w[k] = gs::min(z * (z * inverse), cap);
     store(w[k], o.ratio[k]);
   }
   const Pack q = w[bound], p1 = w[1] + w[3], p2 = w[2] + w[4], one_over_sum = Pack(1.0) / (q + (p1 + p2));
@@ -144,30 +143,33 @@ void Condense(const ContactTask& task) {
   const Pack k22 = (p2 * (q + p1) + Pack(4.0) * w[2] * w[4]) * one_over_sum;
   const Pack k12 = -(a1 * a2) * one_over_sum;
 
-  // F^T K A column by column; rows of F: directions of force, of A: the same but for the arm of the normal.
-  Pack force[3][6], normal_rate[6], block[36];
+  // F^T K A column by column; rows of F: directions of force, of A: the same but for the arms.
+  Pack force[3][6], rate[3][6], block[36];
   for (int c = 0; c < 3; ++c) {
-    force[0][c] = normal_rate[c] = load(o.normal[c]);
+    force[0][c] = rate[0][c] = load(o.normal[c]);
     force[0][c + 3] = load(o.lever[0][c]);
-    normal_rate[c + 3] = load(o.rate_normal[c]);
+    rate[0][c + 3] = load(o.rate_normal[c]);
     for (int t = 0; t < 2; ++t) {
-      force[t + 1][c] = load(o.tangent[t][c]);
+      force[t + 1][c] = rate[t + 1][c] = load(o.tangent[t][c]);
       force[t + 1][c + 3] = load(o.lever[t + 1][c]);
+      rate[t + 1][c + 3] = load(o.rate_tangent[t][c]);
     }
   }
   for (int c = 0; c < 6; ++c) {
-    const Pack& a0 = normal_rate[c];
-    const Pack f0 = w[0] * a0;
-    const Pack f1 = k10 * a0 + k11 * force[1][c] + k12 * force[2][c];
-    const Pack f2 = k20 * a0 + k12 * force[1][c] + k22 * force[2][c];
+    const Pack f0 = w[0] * rate[0][c];
+    const Pack f1 = k10 * rate[0][c] + k11 * rate[1][c] + k12 * rate[2][c];
+    const Pack f2 = k20 * rate[0][c] + k12 * rate[1][c] + k22 * rate[2][c];
     for (int r = 0; r < 6; ++r) block[6 * c + r] = force[0][r] * f0 + force[1][r] * f1 + force[2][r] * f2;
   }
   gs::put_blocks(block, 36, task.values, *task.blocks, task.used, 1.0);
 }
 
+HWY_INLINE Pack inverse_s(const ContactOctet& o, int pair) { return load(o.z[pair]) * load(o.inverse[pair]); }
+HWY_INLINE Pack inverse_z(const ContactOctet& o, int pair) { return load(o.s[pair]) * load(o.inverse[pair]); }
+
 /// Of the row of a pair: its residual, and what its product lacks of mu, as a velocity.
 HWY_INLINE Pack shift(const ContactOctet& o, int pair, const Pack& defect) {
-  return load(o.residual[pair]) + defect * load(o.inverse_z[pair]);
+  return load(o.residual[pair]) + defect * inverse_z(o, pair);
 }
 
 void RightHandSide(const ContactTask& task) {
@@ -186,7 +188,7 @@ void RightHandSide(const ContactTask& task) {
     const Pack d = defect(k);
     weighted[k] = load(o.ratio[k]) * shift(o, k, d);
   }
-  const Pack psi = (friction(o) * weighted[0] - (load(o.residual[bound]) + defect(bound) * load(o.inverse_s[bound])) -
+  const Pack psi = (friction(o) * weighted[0] - (load(o.residual[bound]) + defect(bound) * inverse_s(o, bound)) -
                     (weighted[1] + weighted[2] + weighted[3] + weighted[4])) *
                    load(o.one_over_sum);
   store(psi, o.psi_shift);
@@ -207,17 +209,17 @@ void Recover(ContactTask& task) {
   psi = load(o.psi_shift) + psi * load(o.one_over_sum);
   Largest ratio;
   const auto finish = [&](int k, const Pack& dz) HWY_ATTR {
-    const Pack inverse_z = load(o.inverse_z[k]), ds = -(load(o.defect[k]) + load(o.s[k]) * dz) * inverse_z;
+    const Pack by_z = inverse_z(o, k), ds = -(load(o.defect[k]) + load(o.s[k]) * dz) * by_z;
     keep(dz, o.dz[k]);
     keep(ds, o.ds[k]);
-    ratio.take(-dz * inverse_z, 0);
-    ratio.take(-ds * load(o.inverse_s[k]), 1);
+    ratio.take(-dz * by_z, 0);
+    ratio.take(-ds * inverse_s(o, k), 1);
   };
   const auto shifted = [&](int k) HWY_ATTR { return shift(o, k, load(o.defect[k])); };
   finish(0, -load(o.ratio[0]) * (du.n + shifted(0)));
   for (int i = 0; i < facets; ++i) finish(1 + i, -load(o.ratio[1 + i]) * (along(du, i) + psi + shifted(1 + i)));
   // As in the other pairs: the impulse from the condensed system, the velocity from the product.
-  finish(bound, -load(o.defect[bound]) * load(o.inverse_s[bound]) - load(o.ratio[bound]) * psi);
+  finish(bound, -load(o.defect[bound]) * inverse_s(o, bound) - load(o.ratio[bound]) * psi);
   store(ratio.value(), task.out);
 }
 

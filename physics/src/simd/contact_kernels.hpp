@@ -13,7 +13,7 @@ struct ContactOctet {
   // Of the port.
   Octet point[3], normal[3], radius, offset, tangent[2][3];
   Octet lever[3][3];  ///< as ContactPort::prepare makes them
-  Octet rate_normal[3];
+  Octet rate_normal[3], rate_tangent[2][3];  ///< of the three rates, by w
   // Before a step, of the material point that is lowest: distance, velocity along the normal and the tangents.
   Octet distance, approach, slip[2];
   // Of the law.
@@ -21,7 +21,8 @@ struct ContactOctet {
   Octet s[pairs], z[pairs], ds[pairs], dz[pairs], remembered_s[pairs], remembered_z[pairs];
   Octet frozen;        ///< 1: the friction bound is held at frozen_bound
   Octet frozen_bound;
-  Octet residual[pairs], inverse_s[pairs], inverse_z[pairs], ratio[pairs], defect[pairs];
+  Octet residual[pairs], ratio[pairs], defect[pairs];
+  Octet inverse[pairs];  ///< 1 / (s z), since condense
   Octet psi_shift, one_over_sum;
   Octet saved_z[pairs - 1], saved_tangent[3];  ///< of the step before, in case this one fails
 };
@@ -32,9 +33,13 @@ struct ContactTask {
   ContactOctet* octet;
   unsigned used;
   bool one_body;            ///< all on the same one
+  unsigned displaced;       ///< lanes whose slip is a SlipMeasure::displacement
   double dt;
-  const double* pose[8];  ///< numbers of a NextPose, each in an octet (a Pose to look, to remember); one_body: only [0]
-  const Octet* poses = nullptr;       ///< all of them instead, where they lie in the same lanes
+  /// Of the bodies, each number in an octet.
+  struct Poses {
+    const double* lane[8];         ///< one_body: only [0]
+    const Octet* all = nullptr;    ///< instead, where they lie in the same lanes
+  } now, next;                     ///< numbers of a Pose before the step, of a NextPose after it
   const Octet* velocities = nullptr;  ///< there, the six of x at the iterate
   const double* x[8];       ///< v, w of the body, or their change
   double* rows[8];          ///< 6 of the body

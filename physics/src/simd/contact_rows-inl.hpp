@@ -32,16 +32,16 @@ HWY_INLINE Pack along(const Rows& u, int facet) {
 HWY_INLINE unsigned read(const ContactTask& task) { return task.one_body ? 1u : task.used; }
 
 HWY_INLINE Rows along_tangents(const ContactOctet& o, const Vector3& v, const Vector3& w) {
-  return {Pack(0.0), dot(load3(o.tangent[0]), v) + dot(load3(o.lever[1]), w),
-          dot(load3(o.tangent[1]), v) + dot(load3(o.lever[2]), w)};
+  return {Pack(0.0), dot(load3(o.tangent[0]), v) + dot(load3(o.rate_tangent[0]), w),
+          dot(load3(o.tangent[1]), v) + dot(load3(o.rate_tangent[1]), w)};
 }
 
-/// f(number) with number(k) of the pose.
+/// f(number) with number(k) of the poses.
 template <class F>
-HWY_INLINE void read_pose(const ContactTask& task, F&& f) {
-  if (task.poses) f([&](int k) HWY_ATTR { return load(task.poses[k]); });
-  else if (task.one_body) f([&](int k) HWY_ATTR { return Pack(task.pose[0][8 * k]); });
-  else f([&](int k) HWY_ATTR { return gs::each_lane<8>([&](int l) HWY_ATTR { return task.pose[l][8 * k]; }); });
+HWY_INLINE void read_pose(const ContactTask& task, const ContactTask::Poses& poses, F&& f) {
+  if (poses.all) f([&](int k) HWY_ATTR { return load(poses.all[k]); });
+  else if (task.one_body) f([&](int k) HWY_ATTR { return Pack(poses.lane[0][8 * k]); });
+  else f([&](int k) HWY_ATTR { return gs::each_lane<8>([&](int l) HWY_ATTR { return poses.lane[l][8 * k]; }); });
 }
 
 /// Numbers first ... of the pose.
@@ -54,22 +54,49 @@ HWY_INLINE Matrix3 nine(Number&& number, int first) {
   return {three(number, first), three(number, first + 3), three(number, first + 6)};
 }
 
-/// u at the pose; keeps the derivative of its normal row.
+/// What the tangents see of the turn of a body; keeps the derivatives. As ContactPort<3>::evaluate.
+HWY_INLINE void measure_turn(const ContactTask& task, const Vector3& w, const Matrix3& next, const Matrix3& turn,
+                             Pack* along_tangent) {
+  ContactOctet& o = *task.octet;
+  Vector3 rate[2] = {load3(o.lever[1]), load3(o.lever[2])};
+  for (int t = 0; t < 2; ++t) along_tangent[t] = dot(rate[t], w);
+  if (task.displaced != 0) {
+    const Mask displaced = lanes_of(task.displaced);
+    const Vector3 point = load3(o.point), tangent[2] = {load3(o.tangent[0]), load3(o.tangent[1])};
+    const Pack radius = load(o.radius);
+    Matrix3 now;
+    read_pose(task, task.now, [&](auto&& number) HWY_ATTR { now = nine(number, 7); });
+    const Matrix3 change = {next.c0 - now.c0, next.c1 - now.c1, next.c2 - now.c2};
+    const Vector3 turned = Pack(1 / task.dt) * (change * point);
+    const Vector3 rolled[2] = {-radius * transposed_times(now, tangent[1]), radius * transposed_times(now, tangent[0])};
+    for (int t = 0; t < 2; ++t) {
+      const Vector3 moved = transposed_times(turn, cross(point, transposed_times(next, tangent[t]))) + rolled[t];
+      rate[t] = select(displaced, moved, rate[t]);
+      along_tangent[t] = gs::select(displaced, dot(tangent[t], turned) + dot(rolled[t], w), along_tangent[t]);
+    }
+  }
+  for (int t = 0; t < 2; ++t) store3(rate[t], o.rate_tangent[t]);
+}
+
+/// u at the next pose; keeps its derivative.
 HWY_INLINE Rows measure(const ContactTask& task) {
   ContactOctet& o = *task.octet;
   Pack x[6];
   if (task.velocities)
     for (int i = 0; i < 6; ++i) x[i] = load(task.velocities[i]);
   else gs::load_transposed(task.x, 6, x, read(task));
-  const Vector3 normal = load3(o.normal), point = load3(o.point);
-  Vector3 position, local;
-  read_pose(task, [&](auto&& number) HWY_ATTR {
-    position = three(number, 0);
-    local = transposed_times(nine(number, 7), normal);
-    store3(transposed_times(nine(number, 16), cross(point, local)), o.rate_normal);
+  const Vector3 normal = load3(o.normal), point = load3(o.point), v = vector(x);
+  Rows u;
+  Pack by_turn[2];
+  read_pose(task, task.next, [&](auto&& number) HWY_ATTR {
+    const Matrix3 rotation = nine(number, 7), turn = nine(number, 16);
+    const Vector3 local = transposed_times(rotation, normal);
+    store3(transposed_times(turn, cross(point, local)), o.rate_normal);
+    u.n = (dot(normal, three(number, 0)) + dot(local, point) - load(o.offset) - load(o.radius)) * Pack(1 / task.dt);
+    measure_turn(task, vector(x + 3), rotation, turn, by_turn);
   });
-  Rows u = along_tangents(o, vector(x), vector(x + 3));
-  u.n = (dot(normal, position) + dot(local, point) - load(o.offset) - load(o.radius)) * Pack(1 / task.dt);
+  u.t1 = dot(load3(o.tangent[0]), v) + by_turn[0];
+  u.t2 = dot(load3(o.tangent[1]), v) + by_turn[1];
   return u;
 }
 

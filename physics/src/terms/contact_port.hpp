@@ -17,6 +17,13 @@ struct ContactResponse {
   bool presses = false;            ///< the normal is as stiff as it may be
 };
 
+/// What the slip of a contact in a step is. A point that is held by friction stays where it is with the second only, as
+/// one that is held by a joint does; with the first it moves by dt/2 w x (w x p) in every step.
+enum class SlipMeasure : char {
+  velocity,      ///< t . (v + R1 (w x arm)), at the pose before the step
+  displacement,  ///< t . ((x2 + R2 p) - (x1 + R1 p)) / dt, and what a sphere rolls: t . R1 (w x -r R1^T n)
+};
+
 /// How a contact stands before a step: of the material point that is lowest.
 struct Approach {
   double distance = 0;  ///< [m]
@@ -86,6 +93,8 @@ class ContactPort : public PlanePoint<ContactPort<Rows>> {
   [[nodiscard]] double plane_offset() const { return g_.offset; }
   [[nodiscard]] const Vec3& lever(int row) const { return g_.lever[row]; }  ///< of the force along it, body frame
 
+  void set_slip(SlipMeasure slip) { slip_ = slip; }
+
   /// Force directions: before a step at `now`.
   void prepare() { prepare(bodies_->pose_now(body_)); }
   /// At `now`; velocity: the unknowns of the last step.
@@ -111,9 +120,23 @@ class ContactPort : public PlanePoint<ContactPort<Rows>> {
     u[0] = (g_.normal.dot(next.x) + local.dot(g_.point) - g_.offset - g_.radius) / bodies_->dt;
     if constexpr (rows == 3) {
       const Eigen::Map<const Vec3> v(x.data() + row_), w(x.data() + row_ + 3);
-      u[1] = g_.tangent[0].dot(v) + g_.lever[1].dot(w);
-      u[2] = g_.tangent[1].dot(v) + g_.lever[2].dot(w);
+      const Pose now = bodies_->pose_now(body_);
+      const Vec3 turned = (next.rotation - now.rotation) * g_.point / bodies_->dt;
+      for (int t = 0; t < 2; ++t) {
+        rate_tangent_[t] = g_.lever[t + 1];
+        double by_turn = rate_tangent_[t].dot(w);
+        if (slip_ == SlipMeasure::displacement) {
+          const Vec3 rolled = this->rolled(now, t);
+          rate_tangent_[t] = next.turn.transpose() * g_.point.cross(next.rotation.transpose() * g_.tangent[t]) + rolled;
+          by_turn = g_.tangent[t].dot(turned) + rolled.dot(w);
+        }
+        u[t + 1] = g_.tangent[t].dot(v) + by_turn;
+      }
     }
+  }
+  /// Of the slip of a rolling sphere along tangent t, by w: -r R1^T n x R1^T t
+  [[nodiscard]] Vec3 rolled(const Pose& now, int t) const {
+    return now.rotation.transpose() * (t == 0 ? Vec3(-g_.radius * g_.tangent[1]) : Vec3(g_.radius * g_.tangent[0]));
   }
   /// At the solution x of a step: adds the derivatives of -J1^T f by what the step was given, after those of the
   /// bodies.
@@ -137,8 +160,7 @@ class ContactPort : public PlanePoint<ContactPort<Rows>> {
     const Eigen::Map<const Vec3> v(dx + row_), w(dx + row_ + 3);
     du[0] = g_.normal.dot(v) + rate_normal_.dot(w);
     if constexpr (rows == 3) {
-      du[1] = g_.tangent[0].dot(v) + g_.lever[1].dot(w);
-      du[2] = g_.tangent[1].dot(v) + g_.lever[2].dot(w);
+      for (int t = 0; t < 2; ++t) du[t + 1] = g_.tangent[t].dot(v) + rate_tangent_[t].dot(w);
     }
   }
   void add_condensed(const double* k, double* values) const {
@@ -149,7 +171,8 @@ class ContactPort : public PlanePoint<ContactPort<Rows>> {
       force[c + 3][0] = g_.lever[0][c];
       for (int r = 1; r < rows; ++r) {
         across[c][r] = force[c][r] = g_.tangent[r - 1][c];
-        across[c + 3][r] = force[c + 3][r] = g_.lever[r][c];
+        across[c + 3][r] = rate_tangent_[r - 1][c];
+        force[c + 3][r] = g_.lever[r][c];
       }
     }
     for (int c = 0; c < 6; ++c) {
@@ -179,7 +202,9 @@ class ContactPort : public PlanePoint<ContactPort<Rows>> {
   int row_;  ///< -1 before it is wired
   graphsolve::BlockHandle block_;
   Geometry g_;
+  SlipMeasure slip_ = SlipMeasure::velocity;
   Vec3 rate_normal_ = Vec3::Zero();
+  std::array<Vec3, 2> rate_tangent_{Vec3::Zero(), Vec3::Zero()};
 };
 
 }  // namespace physics

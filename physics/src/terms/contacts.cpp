@@ -9,7 +9,7 @@ namespace physics {
 namespace {
 
 constexpr double slipping = 1e-4;       ///< [m/s] below this a contact counts as not sliding
-constexpr double smallest_turn = 0.01;  ///< [rad] a smaller change of the slip direction keeps the basis
+constexpr double smallest_turn = 0.01;  ///< [rad] a smaller one of the force that holds keeps the basis
 constexpr double reach_margin = 0.02;   ///< [m/s]
 constexpr double broken_through = -1e-10;  ///< [m] a culled contact below this has to come back
 
@@ -75,6 +75,7 @@ void Contacts::set(int lane, const Mechanism& mechanism, const Assembly& assembl
       port.place(point, c.normal, c.normal.dot(c.plane_point), c.radius);
       if constexpr (std::decay_t<decltype(port)>::rows == 3) {
         port.set_tangent(c.tangent.value_or(c.normal.unitOrthogonal()));
+        port.set_slip(entry.aligned ? SlipMeasure::displacement : SlipMeasure::velocity);
         law.describe(*c.friction, body.island_mass, stiffness, c.directions);
       } else {
         law = graphsolve::Nonnegative(body.island_mass, stiffness);
@@ -172,7 +173,7 @@ void Contacts::align(int lane, Entry& entry, PortType& port, Law& law, double u1
     entry.slip_speed = length;
     entry.turn_by_mass = held * rotated[1] / (length * bodies_.mass(port.body()));
   }
-  if (t[0] > std::cos(smallest_turn)) return;
+  if (!(speed > slipping) && t[0] > std::cos(smallest_turn)) return;
   port.set_tangent((t[0] * port.tangent1() + t[1] * port.tangent2()).normalized());
   entry.turned = entry.slip_speed > 0;
   law.split_friction(rotated);

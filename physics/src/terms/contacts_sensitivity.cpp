@@ -31,7 +31,15 @@ void ContactPort<Rows>::differentiate(std::span<const double> x, const ContactRe
   Eigen::Matrix<double, Rows, 6> rate = Eigen::Matrix<double, Rows, 6>::Zero();  // du by the pose
   rate.row(0).template head<3>() = g_.normal.transpose() / bodies_->dt;
   rate.row(0).template tail<3>() = g_.point.cross(n2).transpose() * out.carry[body_] / bodies_->dt;
-  for (int r = 1; r < Rows; ++r) rate.row(r).template tail<3>() = w2.transpose() * turned_arm(axis[r]);
+  for (int r = 1; r < Rows; ++r) {
+    if (slip_ == SlipMeasure::velocity) {
+      rate.row(r).template tail<3>() = w2.transpose() * turned_arm(axis[r]);
+      continue;
+    }
+    const Vec3 moved = out.carry[body_].transpose() * g_.point.cross(next.rotation.transpose() * axis[r]);
+    rate.row(r).template tail<3>() =
+        ((moved - g_.point.cross(to_body * axis[r])) / bodies_->dt + w2.cross(rolled(now, r - 1))).transpose();
+  }
   const Columns stiff = force * Eigen::Map<const Eigen::Matrix<double, Rows, Rows>>(response.stiffness);
   Matrix6& pose = out.pose[body_];
   pose.noalias() += stiff * rate;

@@ -34,6 +34,11 @@ void PyramidPort::set_tangent(const Vec3& t1) {
   set(octet_->tangent[1], normal().cross(t1));
 }
 
+void PyramidPort::set_slip(SlipMeasure slip) {
+  const unsigned bit = 1u << lane_, others = *displaced_ & ~bit;
+  *displaced_ = static_cast<unsigned char>(slip == SlipMeasure::displacement ? others | bit : others);
+}
+
 void PyramidPort::prepare(const Pose& pose) {
   ContactPort<3> port = copy();
   port.prepare(pose);
@@ -43,6 +48,7 @@ void PyramidPort::prepare(const Pose& pose) {
 ContactPort<3> PyramidPort::copy() const {
   ContactPort<3> port(*bodies_, body_, point(), normal(), plane_offset(), radius());
   port.set_tangent(tangent1());
+  port.set_slip((*displaced_ >> lane_ & 1) != 0 ? SlipMeasure::displacement : SlipMeasure::velocity);
   return port;
 }
 
@@ -102,17 +108,25 @@ void PyramidContacts::give_largest(const ContactTask& task, int octet, const Oct
 
 /// Whole octets, or lane by lane.
 void PyramidContacts::point_at_poses(ContactTask& task, int octet, When when) const {
+  ContactTask::Poses& to = when == When::now ? task.now : task.next;
   const auto poses = [&](int bodies) {
     return when == When::now ? bodies_.poses_now(bodies) : bodies_.poses_next(bodies);
   };
   if (beside_[octet] >= 0) {
-    task.poses = poses(beside_[octet]);
-    if (when == When::next) task.velocities = bodies_.velocities_next(beside_[octet]);
+    to.all = poses(beside_[octet]);
     return;
   }
   const auto& places = lane_places_[octet].body;
   const int lanes = task.one_body ? 1 : graphsolve::simd::lanes;
-  for (int l = 0; l < lanes; ++l) task.pose[l] = &poses(octet_of(places[l]))->lane[lane_of(places[l])];
+  for (int l = 0; l < lanes; ++l) to.lane[l] = &poses(octet_of(places[l]))->lane[lane_of(places[l])];
+}
+
+void PyramidContacts::point_at_motion(ContactTask& task, int octet, std::span<const double> x) const {
+  task.displaced = displaced_[octet];
+  if (task.displaced != 0) point_at_poses(task, octet, When::now);
+  point_at_poses(task, octet, When::next);
+  if (beside_[octet] >= 0) task.velocities = bodies_.velocities_next(beside_[octet]);
+  point_at_rows(task.x, octet, x.data());
 }
 
 template <class T>
@@ -159,8 +173,7 @@ void PyramidContacts::start_warm(Instances instances, std::span<const double> x,
                                  std::span<const double> scale) {
   if (bodies_.force_at_next) aim_at_next(instances.index);
   each_octet(instances, [&](ContactTask& task, int octet) {
-    point_at_poses(task, octet, When::next);
-    point_at_rows(task.x, octet, x.data());
+    point_at_motion(task, octet, x);
     take(task.first, task, octet, mu);
     take(task.second, task, octet, scale);
     kernels_.start_warm(task);
@@ -178,8 +191,7 @@ void PyramidContacts::evaluate(Instances instances, std::span<const double> x, s
                                std::span<const double> scale, std::span<double> error, std::span<double> product) {
   if (bodies_.force_at_next) aim_at_next(instances.index);
   each_octet(instances, [&](ContactTask& task, int octet) {
-    point_at_poses(task, octet, When::next);
-    point_at_rows(task.x, octet, x.data());
+    point_at_motion(task, octet, x);
     point_at_rows(task.rows, octet, residual.data());
     take(task.second, task, octet, scale);
     kernels_.evaluate(task);

@@ -37,8 +37,9 @@ class PyramidLane : public PyramidImpulses<PyramidLane> {
 class PyramidPort : public PlanePoint<PyramidPort> {
  public:
   static constexpr int rows = 3;
-  PyramidPort(Bodies& bodies, int body, ContactOctet& octet, int lane)
-      : bodies_(&bodies), body_(body), octet_(&octet), lane_(lane) {}
+  /// displaced: of the octet, as in ContactTask
+  PyramidPort(Bodies& bodies, int body, ContactOctet& octet, unsigned char& displaced, int lane)
+      : bodies_(&bodies), body_(body), octet_(&octet), displaced_(&displaced), lane_(lane) {}
 
   void place(const Vec3& point, const Vec3& normal, double offset, double radius);
   [[nodiscard]] int body() const { return body_; }
@@ -49,6 +50,7 @@ class PyramidPort : public PlanePoint<PyramidPort> {
   [[nodiscard]] double radius() const { return octet_->radius[lane_]; }
   [[nodiscard]] double plane_offset() const { return octet_->offset[lane_]; }
   void set_tangent(const Vec3& t1);
+  void set_slip(SlipMeasure slip);
   [[nodiscard]] Vec3 saved_tangent() const { return at(octet_->saved_tangent); }
   /// As PyramidContacts::look found it.
   [[nodiscard]] Approach approach() const {
@@ -70,6 +72,7 @@ class PyramidPort : public PlanePoint<PyramidPort> {
   Bodies* bodies_;
   int body_;
   ContactOctet* octet_;
+  unsigned char* displaced_;
   int lane_;
 };
 
@@ -81,7 +84,8 @@ class PyramidContacts final : public graphsolve::PortBatch {
   int add(int body);
   // Once they are wired.
   [[nodiscard]] PyramidPort port(int i) {
-    return {bodies_, seats_[i].body, octets_[octet_of(place_[i])], lane_of(place_[i])};
+    const int octet = octet_of(place_[i]);
+    return {bodies_, seats_[i].body, octets_[octet], displaced_[octet], lane_of(place_[i])};
   }
   [[nodiscard]] PyramidLane law(int i) { return {octets_[octet_of(place_[i])], lane_of(place_[i])}; }
   /// Before a step, of all contacts: distances and velocities at `now`. velocity: the unknowns (v, w) of the last step.
@@ -121,6 +125,8 @@ class PyramidContacts final : public graphsolve::PortBatch {
   void give_largest(const ContactTask& task, int octet, const Octet& out, std::span<double> by_component) const;
   using When = Bodies::When;
   void point_at_poses(ContactTask& task, int octet, When when) const;
+  /// At both, and at the velocities that lead from one to the other.
+  void point_at_motion(ContactTask& task, int octet, std::span<const double> x) const;
   template <class T>
   void point_at_rows(T** to, int octet, T* x) const;
   void aim_at_next(std::span<const int> contacts);
@@ -143,6 +149,7 @@ class PyramidContacts final : public graphsolve::PortBatch {
   std::vector<int> beside_;                 ///< by octet: that of its bodies, if they lie in the same lanes
   ContactKernels kernels_{};
   std::vector<char> one_body_;  ///< by octet: its contacts are on the same body
+  std::vector<unsigned char> displaced_;  ///< by octet, as in ContactTask
   std::vector<graphsolve::simd::LaneBlocks> blocks_;  ///< by octet
   mutable std::vector<double> product_;               ///< by contact, to be summed up
   mutable std::vector<ContactOctet> octets_;

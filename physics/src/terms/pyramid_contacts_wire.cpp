@@ -20,6 +20,7 @@ void PyramidContacts::wire(const graphsolve::Wiring& wiring) {
   groups_.resize(octets);
   blocks_.assign(octets, {});
   one_body_.assign(octets, 1);
+  displaced_.assign(octets, 0);
   contact_at_.assign(octets * graphsolve::simd::lanes, -1);
   product_.assign(seats_.size(), 0.0);
   kernels_ = contact_kernels();
