@@ -1,14 +1,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <ctime>
+#include <random>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "graphsolve/ordering.hpp"
 #include "graphsolve/symbolic.hpp"
+#include "ordering/counted_ordering.hpp"
+#include "ordering/sorted_runs.hpp"
 #include "support/graph_families.hpp"
 
 namespace test_minimum_fill {
@@ -118,28 +122,58 @@ TEST(MinimumFill, ControlWithCostAtTheEndIsNeverForced) {
     EXPECT_EQ(minimum_fill_ordering(families::control(2 + seed % 30, seed)).forced, 0);
 }
 
-/// CPU time of this thread: waiting for a busy core does not count.
-double thread_time() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-/// Best of three, so that others in the caches disturb less.
-double seconds(const BlockGraph& graph) {
-  double best = 1e9;
-  for (int run = 0; run < 3; ++run) {
-    const double begin = thread_time();
-    EXPECT_EQ(minimum_fill_ordering(graph).forced, 0);
-    best = std::min(best, thread_time() - begin);
+TEST(SortedRuns, HoldWhatASetHoldsAndTakeInNumbersOneByOneAtFewMoves) {
+  std::mt19937 random(1);
+  for (const int n : {50, 5000, 50000}) {
+    SortedRuns runs;
+    std::set<int> set;
+    std::vector<int> scratch;
+    std::size_t written = 0;
+    for (int k = 0; k < n; ++k) {
+      const int number = static_cast<int>(random() % (2 * n));
+      EXPECT_EQ(runs.contains(number), set.contains(number));
+      if (set.insert(number).second) written += runs.add(std::vector{number}, scratch);
+      if (k % (n / 3) == n / 4) {
+        const auto odd = [](int i) { return i % 2 != 0; };
+        runs.erase_if(odd);
+        std::erase_if(set, odd);
+      }
+    }
+    EXPECT_LE(static_cast<double>(written), n * (64 + 3 * std::log2(n))) << n;
+    std::vector<int> entries = runs.entries();
+    std::ranges::sort(entries);
+    EXPECT_TRUE(std::ranges::equal(entries, set)) << n;
   }
-  return best;
 }
 
-TEST(MinimumFill, TimeOfHubsAndChainsGrowsWithTheirSizeNotItsSquare) {
-  // 16 times the size: quadratic work would take 256 times as long. Caches and a busy machine may cost a few times.
-  EXPECT_LT(seconds(families::star(64000)), 100 * seconds(families::star(4000)));
-  EXPECT_LT(seconds(families::chain(64000)), 100 * seconds(families::chain(4000)));
+/// Stages x_i = f(x_(i-1), u_i, T): the final time T is in the constraint of every one.
+BlockGraph control_with_final_time(int stages, int position) {
+  BlockGraph graph;
+  NodeId state, time;
+  std::vector<NodeId> constraints;
+  for (int i = 0; i < stages; ++i) {
+    if (i == position) time = graph.add_node("T", 1, NodeKind::shared);
+    const std::string k = std::to_string(i);
+    const NodeId input = graph.add_node("u" + k, 1), next = graph.add_node("x" + k, 2);
+    constraints.push_back(graph.add_node("d" + k, 2, NodeKind::saddle));
+    graph.add_edge(constraints.back(), next, EdgeRank::full);
+    graph.add_edge(constraints.back(), input);
+    if (i > 0) graph.add_edge(constraints.back(), state, EdgeRank::full);
+    state = next;
+  }
+  for (const NodeId constraint : constraints) graph.add_edge(constraint, time);
+  return graph;
+}
+
+TEST(MinimumFill, WorkOfHubsAndChainsGrowsWithTheirSizeNotItsSquare) {
+  const auto walked = [](const BlockGraph& graph) { return counted_minimum_fill_ordering(graph).walked; };
+  const int n = 4000;
+  EXPECT_LE(walked(families::star(4 * n)), 5 * walked(families::star(n)));
+  EXPECT_LE(walked(families::chain(4 * n)), 5 * walked(families::chain(n)));
+  for (const double place : {0.0, 0.5, 0.999}) {
+    const auto graph = [&](int stages) { return control_with_final_time(stages, static_cast<int>(place * stages)); };
+    EXPECT_LE(walked(graph(4 * n)), 5 * walked(graph(n))) << place;
+  }
 }
 
 }  // namespace test_minimum_fill

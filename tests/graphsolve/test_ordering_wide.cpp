@@ -10,7 +10,8 @@
 
 #include "graphsolve/ordering.hpp"
 #include "graphsolve/symbolic.hpp"
-#include "ordering/ordering_wide.hpp"
+#include "ordering/counted_ordering.hpp"
+#include "ordering/least_rows.hpp"
 #include "ordering/quotient_graph.hpp"
 #include "support/graph_families.hpp"
 
@@ -143,6 +144,68 @@ TEST(WideOrdering, OfACompleteGraphLooksAtEveryEdgeAFewTimes) {
     for (int k = 0; k + 1 < n; ++k)  // large ones first, then as numbered
       EXPECT_TRUE(std::pair(-result.ordering.sequence[k].index % 3, result.ordering.sequence[k].index) <
                   std::pair(-result.ordering.sequence[k + 1].index % 3, result.ordering.sequence[k + 1].index)) << n << ", " << k;
+  }
+}
+
+/// Stages x_i = f(x_(i-1), u_i) with an input of its own each.
+BlockGraph stages(int n, NodeKind input, NodeKind last_state) {
+  BlockGraph graph;
+  NodeId before;
+  for (int i = 0; i < n; ++i) {
+    const std::string k = std::to_string(i);
+    const NodeId u = graph.add_node("u" + k, 1, input);
+    const NodeId x = graph.add_node("x" + k, 2, i + 1 < n ? NodeKind::regular : last_state);
+    const NodeId d = graph.add_node("d" + k, 2, NodeKind::saddle);
+    graph.add_edge(d, x, EdgeRank::full);
+    graph.add_edge(d, u);
+    if (i > 0) graph.add_edge(d, before, EdgeRank::full);
+    before = x;
+  }
+  return graph;
+}
+
+/// Costless variables, and constraints on three of them each.
+BlockGraph linear_program(int n) {
+  BlockGraph graph;
+  for (int i = 0; i < n; ++i) graph.add_node("x" + std::to_string(i), 1, NodeKind::semidefinite);
+  for (int i = 0; i < n / 2; ++i) {
+    const NodeId row = graph.add_node("r" + std::to_string(i), 1, NodeKind::saddle);
+    for (const int k : {2 * i, 2 * i + 1, (2 * i + 2) % n}) graph.add_edge(row, {k});
+  }
+  return graph;
+}
+
+TEST(WideOrdering, WorkGrowsWithTheSizeNotItsSquareWhereNodesComeOneByOne) {
+  const int n = 2000;
+  const auto work = [](const BlockGraph& graph) {
+    const CountedOrdering result = counted_wide_ordering(graph);
+    return result.walked + result.waiting;
+  };
+  const auto one_costless = [](int m) { return stages(m, NodeKind::regular, NodeKind::semidefinite); };
+  const auto costless_inputs = [](int m) { return stages(m, NodeKind::semidefinite, NodeKind::regular); };
+  EXPECT_LE(work(one_costless(4 * n)), 5 * work(one_costless(n)));
+  EXPECT_LE(work(costless_inputs(4 * n)), 5 * work(costless_inputs(n)));
+  EXPECT_LE(work(linear_program(4 * n)), 5 * work(linear_program(n)));
+  EXPECT_EQ(wide_ordering(linear_program(n)).forced, n);
+}
+
+TEST(LeastRows, AreThoseOfTheFirstNodeWithTheFewestWhateverWasEliminated) {
+  std::mt19937 random(1);
+  for (int seed = 1; seed <= 20; ++seed) {
+    const BlockGraph graph = families::random_with_loops(80, 20 * seed, seed);
+    QuotientGraph rest(graph);
+    LeastRows rows(rest);
+    for (int left = graph.size(); left > 0; --left) {
+      if (left % 3 == 0) {  // not every time: several eliminations lie between two questions
+        int least = -1;
+        for (int i = 0; i < graph.size(); ++i)
+          if (rest.alive(i) && (least < 0 || rest.rows_around(i) < rest.rows_around(least))) least = i;
+        ASSERT_EQ(rows.least(), least) << "seed " << seed << ", left " << left;
+      }
+      int node = static_cast<int>(random() % graph.size());
+      while (!rest.alive(node)) node = (node + 1) % graph.size();
+      rows.change(rest.eliminate(node));
+    }
   }
 }
 

@@ -1,12 +1,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
-#include <iterator>
 #include <queue>
 #include <utility>
 
 #include "graphsolve/ordering.hpp"
+#include "ordering/counted_ordering.hpp"
 #include "ordering/ordering_held.hpp"
+#include "ordering/sorted_runs.hpp"
 
 namespace graphsolve {
 
@@ -18,18 +19,22 @@ constexpr std::int64_t against_rule = std::int64_t{1} << 60;  ///< added to the 
 /// Sum over the pairs of a set of d_i d_j, from the sum and the sum of squares of the d_i.
 std::int64_t pairs(std::int64_t sum, std::int64_t squares) { return (sum * sum - squares) / 2; }
 
-/// Elimination graph with explicit, sorted neighbour lists. An entry of the queue counts only while it shows its
-/// node's present score; lists keep eliminated nodes until these are the majority, so that a hub which loses its
-/// neighbours one by one costs O(1) for each.
+/// Elimination graph with explicit neighbour lists. An entry of the queue counts only while it shows its node's present
+/// score; lists keep eliminated nodes until these are the majority and take new ones in runs, so that a hub which
+/// loses or gains its neighbours one by one costs O(log) for each.
 class MinimumFill {
  public:
   explicit MinimumFill(const BlockGraph& graph)
       : graph_(graph), rule_(graph), nodes_(graph.size()), around_mark_(graph.size(), 0), seen_mark_(graph.size(), 0) {
     for (int i = 0; i < graph.size(); ++i) {
-      for (const auto& edge : graph.edges({i})) couple(i, edge.to.index);
-      std::sort(nodes_[i].list.begin(), nodes_[i].list.end());
+      scratch_.clear();
+      for (const auto& edge : graph.edges({i})) scratch_.push_back(edge.to.index);
+      std::sort(scratch_.begin(), scratch_.end());
+      couple(i, scratch_);
     }
   }
+
+  [[nodiscard]] std::int64_t walked() const { return walked_; }
 
   Ordering run() {
     Ordering result{.method = OrderingMethod::minimum_fill};
@@ -53,14 +58,14 @@ class MinimumFill {
 
  private:
   struct Node {
-    std::vector<int> list;  ///< neighbours, sorted; some may be gone
-    int gone = 0;           ///< how many of them are
+    SortedRuns list;  ///< neighbours; some may be gone
+    int gone = 0;     ///< how many of them are
     bool alive = true;
     std::int64_t sum = 0, squares = 0;  ///< of the dimensions of the neighbours that are left
     std::int64_t score = -1;            ///< -1: not in the queue
     std::int64_t born = 0;              ///< when it became free
     [[nodiscard]] int degree() const { return static_cast<int>(list.size()) - gone; }
-    [[nodiscard]] bool sees(int other) const { return std::binary_search(list.begin(), list.end(), other); }
+    [[nodiscard]] bool sees(int other) const { return list.contains(other); }
   };
   struct Entry {
     std::int64_t score, born;
@@ -71,10 +76,13 @@ class MinimumFill {
   [[nodiscard]] std::int64_t dimension(int node) const { return graph_.dimension({node}); }
   [[nodiscard]] bool candidate(int node) const { return nodes_[node].alive && (deadlocked_ || rule_.eligible({node})); }
 
-  void couple(int node, int other) {
-    nodes_[node].list.push_back(other);
-    nodes_[node].sum += dimension(other);
-    nodes_[node].squares += dimension(other) * dimension(other);
+  /// others: ascending, none of them coupled with the node.
+  void couple(int node, const std::vector<int>& others) {
+    walked_ += static_cast<std::int64_t>(nodes_[node].list.add(others, merged_));
+    for (const int other : others) {
+      nodes_[node].sum += dimension(other);
+      nodes_[node].squares += dimension(other) * dimension(other);
+    }
   }
 
   int next() {
@@ -108,23 +116,28 @@ class MinimumFill {
       const std::int64_t d = clique_sum_ > 0 ? dimension(index) : 0;
       return pairs(node.sum, node.squares) - pairs(clique_sum_ - d, clique_squares_ - d * d);
     }
-    scratch_.clear();
-    for (const int i : node.list)
-      if (nodes_[i].alive) scratch_.push_back(i);
+    find_alive(node, scratch_);
     std::int64_t result = 0;
+    walked_ += static_cast<std::int64_t>(scratch_.size() * scratch_.size());
     for (std::size_t a = 0; a < scratch_.size(); ++a)
       for (std::size_t b = a + 1; b < scratch_.size(); ++b)
         if (!nodes_[scratch_[a]].sees(scratch_[b])) result += dimension(scratch_[a]) * dimension(scratch_[b]);
     return result;
   }
 
+  void find_alive(const Node& node, std::vector<int>& out) {
+    out.clear();
+    walked_ += static_cast<std::int64_t>(node.list.size());
+    for (const int i : node.list.entries())
+      if (nodes_[i].alive) out.push_back(i);
+  }
+
   void eliminate(int index) {
     Node& node = nodes_[index];
     node.alive = false;
-    around_.clear();
-    for (const int i : node.list)
-      if (nodes_[i].alive) around_.push_back(i);
-    std::vector<int>().swap(node.list);
+    find_alive(node, around_);
+    std::sort(around_.begin(), around_.end());
+    node.list.clear();
     clique_sum_ = node.sum;
     clique_squares_ = node.squares;
     filled_.clear();
@@ -148,21 +161,23 @@ class MinimumFill {
     node.sum -= dimension(eliminated);
     node.squares -= dimension(eliminated) * dimension(eliminated);
     if (2 * ++node.gone <= static_cast<int>(node.list.size())) return;
-    std::erase_if(node.list, [&](int i) { return !nodes_[i].alive; });
+    walked_ += static_cast<std::int64_t>(node.list.size());
+    node.list.erase_if([&](int i) { return !nodes_[i].alive; });
     node.gone = 0;
   }
 
   /// Couples node i with those of around_ that it does not see yet.
   void join(int i) {
-    auto& list = nodes_[i].list;
+    const SortedRuns& list = nodes_[i].list;
     scratch_.clear();
+    walked_ += static_cast<std::int64_t>(std::min(list.size(), 16 * around_.size()));
     if (list.size() > 16 * around_.size()) {
       for (const int k : around_)
         if (k != i && !nodes_[i].sees(k)) scratch_.push_back(k);
     } else {
       ++seen_stamp_;
       std::size_t seen = 1;  // itself
-      for (const int k : list) {
+      for (const int k : list.entries()) {
         if (around_mark_[k] != around_stamp_) continue;
         seen_mark_[k] = seen_stamp_;
         ++seen;
@@ -172,33 +187,40 @@ class MinimumFill {
         if (k != i && seen_mark_[k] != seen_stamp_) scratch_.push_back(k);
     }
     if (scratch_.empty()) return;
-    const auto old_size = static_cast<std::ptrdiff_t>(list.size());
-    for (const int k : scratch_) {
-      couple(i, k);
+    couple(i, scratch_);
+    for (const int k : scratch_)
       if (i < k) filled_.push_back({i, k});
-    }
-    merged_.clear();
-    std::merge(list.begin(), list.begin() + old_size, list.begin() + old_size, list.end(), std::back_inserter(merged_));
-    list.assign(merged_.begin(), merged_.end());
   }
 
-  /// The nodes outside the clique that see both ends of a new coupling have one pair less to fill.
+  /// The nodes outside the clique that see both ends of a new coupling have one pair less to fill. Couplings of one
+  /// node stand together: its list is looked through once for all, unless it is longer than those of the other ends.
   void relieve() {
-    int scanned = -1;
-    for (const auto& [i, j] : filled_) {
-      if (i != scanned) {  // couplings of one node stand together: scan its list once
-        scanned = i;
-        find_exact_outside(i);
+    for (std::size_t begin = 0, end = 0; begin < filled_.size(); begin = end) {
+      const int i = filled_[begin].first;
+      std::size_t others = 0;
+      for (; end < filled_.size() && filled_[end].first == i; ++end) others += nodes_[filled_[end].second].list.size();
+      const bool at_once = nodes_[i].list.size() <= others;
+      if (at_once) find_exact_outside(i);
+      for (std::size_t k = begin; k < end; ++k) {
+        const int j = filled_[k].second;
+        if (!at_once) find_exact_outside(j);
+        relieve(i, j, at_once ? j : i);
       }
-      for (const int k : scratch_)
-        if (nodes_[k].sees(j)) enqueue(k, nodes_[k].score - dimension(i) * dimension(j));
     }
+  }
+
+  /// Of the nodes of scratch_ those that see the end `other`.
+  void relieve(int i, int j, int other) {
+    walked_ += static_cast<std::int64_t>(scratch_.size());
+    for (const int k : scratch_)
+      if (nodes_[k].sees(other)) enqueue(k, nodes_[k].score - dimension(i) * dimension(j));
   }
 
   /// scratch_ := neighbours of i outside the newest clique whose score is exact.
   void find_exact_outside(int i) {
     scratch_.clear();
-    for (const int k : nodes_[i].list) {
+    walked_ += static_cast<std::int64_t>(nodes_[i].list.size());
+    for (const int k : nodes_[i].list.entries()) {
       const Node& node = nodes_[k];
       if (node.score < 0 || !node.alive || node.degree() > exact_degree) continue;
       if (around_mark_[k] != around_stamp_) scratch_.push_back(k);
@@ -216,16 +238,20 @@ class MinimumFill {
   std::vector<std::pair<int, int>> filled_;  ///< couplings that its elimination added
   std::vector<int> scratch_, merged_;
   std::vector<NodeId> freed_;
-  std::int64_t clock_ = 0;
+  std::int64_t clock_ = 0, walked_ = 0;
   bool deadlocked_ = false;  ///< has there been a moment with no eligible node?
 };
 
 }  // namespace
 
-Ordering minimum_fill_ordering(const BlockGraph& graph) {
-  Ordering result = MinimumFill(graph).run();
-  hold_networks_early(graph, result);
+CountedOrdering counted_minimum_fill_ordering(const BlockGraph& graph) {
+  MinimumFill search(graph);
+  CountedOrdering result{search.run()};
+  result.walked = search.walked();
+  hold_networks_early(graph, result.ordering);
   return result;
 }
+
+Ordering minimum_fill_ordering(const BlockGraph& graph) { return counted_minimum_fill_ordering(graph).ordering; }
 
 }  // namespace graphsolve

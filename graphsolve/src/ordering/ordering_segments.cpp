@@ -101,7 +101,7 @@ void Segments::release(const Path& path) {
 }
 
 void Segments::give_up() {
-  for (const Path& path : paths_) release(path);
+  for (; given_up_ < paths_.size(); ++given_up_) release(paths_[given_up_]);
 }
 
 }  // namespace graphsolve

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -44,6 +45,7 @@ class Segments {
   std::vector<int> path_;            ///< of a node in a segment, else -1
   std::vector<char> taken_;          ///< part of a path that was cut
   std::vector<Path> paths_;
+  std::size_t given_up_ = 0;         ///< of them, from the front
   std::vector<int> nodes_;           ///< of all paths
   std::vector<int> along_, around_, ranks_;
 };

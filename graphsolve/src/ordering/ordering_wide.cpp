@@ -1,13 +1,16 @@
 #include <algorithm>
+#include <functional>
 #include <limits>
+#include <queue>
 #include <span>
 #include <tuple>
 #include <vector>
 
 #include "graphsolve/ordering.hpp"
+#include "ordering/counted_ordering.hpp"
+#include "ordering/least_rows.hpp"
 #include "ordering/ordering_held.hpp"
 #include "ordering/ordering_segments.hpp"
-#include "ordering/ordering_wide.hpp"
 #include "ordering/quotient_graph.hpp"
 
 namespace graphsolve {
@@ -17,30 +20,40 @@ namespace {
 constexpr std::size_t narrow = 2;  ///< neighbours of a node that every round takes
 constexpr int last = std::numeric_limits<int>::max();  ///< in place of the rows of a node that had better wait
 
+using Numbers = std::priority_queue<int, std::vector<int>, std::greater<>>;
+
 /// Rounds of independent nodes. Eliminating one of a round changes neither neighbours nor eligibility of the others,
 /// so a round may be sorted freely: by shape. A round looks at no less than a quarter of the nodes that may come, and
-/// takes a constant share of these: hence O(log n) rounds on graphs of bounded degree, and O(n) work in them.
+/// takes a constant share of these: hence O(log n) rounds on graphs of bounded degree, and O(n) work in them. Nodes that
+/// had better wait, and those against the rule, come one at a time; they lie in queues, so that such a round costs
+/// O(log n) and not a look at all nodes.
 class Wide {
  public:
   explicit Wide(const BlockGraph& graph)
       : graph_(graph), rule_(graph), rest_(graph), segments_(graph.size()), components_(connected_components(graph)),
         costless_(components_.count, 0), guests_(graph.size(), 0), blocked_(graph.size(), 0), seen_(graph.size(), 0),
-        left_(graph.size()) {
+        forced_rows_(rest_), left_(graph.size()) {
     for (int i = 0; i < graph.size(); ++i) {
       for (const auto& edge : graph.edges({i})) guests_[i] += graph.kind(edge.to) == NodeKind::saddle;
       if (graph.kind({i}) == NodeKind::semidefinite) costless_[components_.of_node[i]] = 1;
-      if (rule_.eligible({i})) waiting_.push_back({i});
     }
+    for (int i = 0; i < graph.size(); ++i) {
+      if (!rule_.eligible({i})) continue;
+      if (wasteful(i)) wasteful_.push(i);
+      else waiting_.push_back({i});
+    }
+    wasteful_left_ = wasteful_.size();
   }
 
   [[nodiscard]] std::int64_t walked() const { return rest_.walked(); }
+  [[nodiscard]] std::int64_t waiting() const { return looked_at_; }
 
   Ordering run() {
     Ordering result{.method = OrderingMethod::wide};
     result.sequence.reserve(graph_.size());
     for (Waiting& w : waiting_) score(w);
     while (static_cast<int>(result.sequence.size()) < graph_.size()) {
-      if (waiting_.empty()) {
+      if (waiting_.empty() && wasteful_left_ == 0) {
         force(result);
         continue;
       }
@@ -73,9 +86,6 @@ class Wide {
   };
 
   void score(Waiting& w) {
-    w.narrow = false;
-    w.rows = last;
-    if (wasteful(w.node)) return;
     rest_.neighbours(w.node, narrow, around_);  // no more than it takes to see that it is not
     w.narrow = around_.size() <= narrow;
     w.rows = w.narrow ? rows(around_) : static_cast<int>(rest_.rows_around(w.node));
@@ -95,19 +105,27 @@ class Wide {
   }
 
   /// The narrow nodes, and of the others those at most twice as large as the smallest; no more than it takes to have
-  /// a quarter of all.
+  /// a quarter of all. Of wasteful nodes one at a time, where there are no others: it may give these a way out.
   void find_candidates() {
-    const auto quarter = waiting_.begin() + static_cast<std::ptrdiff_t>(waiting_.size() / 4);
-    std::nth_element(waiting_.begin(), quarter, waiting_.end());
+    candidates_.clear();
+    if (waiting_.empty()) {
+      while (!(rest_.alive(wasteful_.top()) && wasteful(wasteful_.top()))) wasteful_.pop();
+      candidates_.push_back({wasteful_.top()});
+      return;
+    }
+    looked_at_ += static_cast<std::int64_t>(waiting_.size());
+    const auto quarter = static_cast<std::ptrdiff_t>((waiting_.size() + wasteful_left_) / 4);
+    int bound = last;
+    if (quarter < static_cast<std::ptrdiff_t>(waiting_.size())) {
+      std::nth_element(waiting_.begin(), waiting_.begin() + quarter, waiting_.end());
+      bound = waiting_[quarter].rows;
+    }
     int least = last;
     for (const Waiting& w : waiting_)
       if (!w.narrow) least = std::min(least, w.rows);
-    const int bound = least < last ? std::min(quarter->rows, 2 * least) : 0;
-    candidates_.clear();
+    bound = least < last ? std::min(bound, 2 * least) : 0;
     for (const Waiting& w : waiting_)
-      if (w.rows < last && (w.narrow || w.rows <= bound)) candidates_.push_back(w);
-    // Of wasteful nodes one at a time: it may give the others a way out.
-    if (candidates_.empty()) candidates_.push_back(*std::min_element(waiting_.begin(), waiting_.end()));
+      if (w.narrow || w.rows <= bound) candidates_.push_back(w);
   }
 
   void cut_paths() {
@@ -143,18 +161,29 @@ class Wide {
 
   void eliminate(int node) {
     segments_.eliminate(node);
+    wasteful_left_ -= wasteful(node);
     const auto clique = rest_.eliminate(node);
     complete_ = static_cast<int>(clique.size()) == --left_;
     if (graph_.kind({node}) == NodeKind::saddle)
-      for (const auto& edge : graph_.edges({node})) --guests_[edge.to.index];
+      for (const auto& edge : graph_.edges({node})) lose_guest(edge.to.index);
+    forced_rows_.change(clique);
     touched_.insert(touched_.end(), clique.begin(), clique.end());
     freed_.clear();
     rule_.eliminate({node}, freed_);
     for (const NodeId i : freed_) waiting_.push_back({i.index});
   }
 
+  void lose_guest(int host) {
+    const bool was_wasteful = wasteful(host);
+    --guests_[host];
+    if (!was_wasteful || wasteful(host) || !rest_.alive(host)) return;
+    --wasteful_left_;
+    waiting_.push_back({host});
+  }
+
   /// Looks again at what the round touched.
   void refresh() {
+    looked_at_ += static_cast<std::int64_t>(waiting_.size());
     ++stamp_;
     for (const int i : touched_) seen_[i] = stamp_;
     std::erase_if(waiting_, [&](const Waiting& w) { return !rest_.alive(w.node); });
@@ -164,16 +193,11 @@ class Wide {
 
   /// No node may come: takes the one with the smallest neighbours against the rule.
   void force(Ordering& result) {
-    Waiting least{-1};
-    for (int i = 0; i < graph_.size(); ++i) {
-      if (!rest_.alive(i)) continue;
-      rest_.neighbours(i, graph_.size(), around_);
-      if (least.node < 0 || rows(around_) < least.rows) least = {i, rows(around_)};
-    }
+    const int node = forced_rows_.least();
     ++result.forced;
-    result.sequence.push_back({least.node});
+    result.sequence.push_back({node});
     touched_.clear();
-    eliminate(least.node);
+    eliminate(node);
     refresh();
   }
 
@@ -184,12 +208,16 @@ class Wide {
   Components components_;
   std::vector<char> costless_;  ///< per component: are there semidefinite nodes?
   std::vector<int> guests_;       ///< saddle neighbours that are left
-  std::vector<Waiting> waiting_;  ///< all nodes that may come next
+  std::vector<Waiting> waiting_;  ///< nodes that may come next
+  Numbers wasteful_;              ///< those that may, but are wasteful; with some that no longer are
+  std::size_t wasteful_left_ = 0;
   std::vector<Waiting> candidates_;
   std::vector<Pick> round_;
   std::vector<int> blocked_;  ///< last round in which a neighbour was picked
   std::vector<int> seen_;     ///< last round that touched it
   int stamp_ = 0;
+  LeastRows forced_rows_;
+  std::int64_t looked_at_ = 0;  ///< entries of waiting_, over all rounds
   int left_;               ///< nodes
   bool complete_ = false;  ///< is each of them coupled with each?
   std::vector<int> touched_, around_, narrow_;
@@ -200,7 +228,9 @@ class Wide {
 
 CountedOrdering counted_wide_ordering(const BlockGraph& graph) {
   Wide wide(graph);
-  CountedOrdering result{wide.run(), wide.walked()};
+  CountedOrdering result{wide.run()};
+  result.walked = wide.walked();
+  result.waiting = wide.waiting();
   hold_networks_early(graph, result.ordering);
   return result;
 }

@@ -22,6 +22,7 @@ class QuotientGraph {
 
   [[nodiscard]] int size() const { return static_cast<int>(nodes_.size()); }
   [[nodiscard]] bool alive(int node) const { return nodes_[node].alive; }
+  [[nodiscard]] int dimension(int node) const { return nodes_[node].dimension; }
 
   /// Eliminates the node. Returns its neighbours, now coupled with each other; valid until the next call.
   std::span<const int> eliminate(int node);
