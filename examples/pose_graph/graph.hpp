@@ -34,17 +34,29 @@ struct Graph {
   std::map<std::string, int> passed_over;  ///< lines that were not taken up, by their first word
 };
 
-/// What is wrong with a line on which reading numbers ended.
-inline std::string about_numbers(const std::string& line, const std::string& tag) {
+/// Throws std::runtime_error, which begins with `where`, unless all words of a line but the first are decimal numbers.
+inline void check_words(const std::string& line, const std::string& where) {
   std::istringstream words(line);
   std::string word;
   words >> word;
   while (words >> word) {
     char* end = nullptr;
     const double value = std::strtod(word.c_str(), &end);
-    if (!std::isfinite(value) || *end != 0) return "'" + word + "' is no number that can be used";
+    if (!std::isfinite(value) || *end != 0 || word.find_first_of("xX") != std::string::npos)  // no hexadecimal ones
+      throw std::runtime_error(where + "'" + word + "' is no number that can be used");
   }
-  return "a number is missing after " + tag;
+}
+
+/// The id of a pose after `tag`. Throws std::runtime_error, which begins with `where`.
+inline long read_id(std::istringstream& in, const std::string& tag, const std::string& where) {
+  std::string word;
+  if (!(in >> word)) throw std::runtime_error(where + "a number is missing after " + tag);
+  char* end = nullptr;
+  errno = 0;
+  const long id = std::strtol(word.c_str(), &end, 10);
+  if (*end != 0) throw std::runtime_error(where + "'" + word + "' is no id of a pose, which are whole numbers");
+  if (errno == ERANGE) throw std::runtime_error(where + "'" + word + "' is too large for the id of a pose");
+  return id;
 }
 
 /// An information matrix weighs errors: none may count less than nothing. Those of files are rounded.
@@ -69,7 +81,8 @@ struct Line {
 /// Throws std::runtime_error, which begins with `where`, unless the numbers of a line were read and nothing follows.
 inline void check_end(std::istringstream& in, const std::string& line, const std::string& tag,
                       const std::string& where) {
-  if (!in) throw std::runtime_error(where + about_numbers(line, tag));
+  check_words(line, where);
+  if (!in) throw std::runtime_error(where + "a number is missing after " + tag);
   if (std::string extra; in >> extra)
     throw std::runtime_error(where + "'" + extra + "' follows the last number of " + tag);
 }
@@ -79,7 +92,8 @@ template <class S>
 Line<S> read_edge(std::istringstream& in, const std::string& line, int number, const std::string& where) {
   Line<S> e{};
   e.number = number;
-  in >> e.from >> e.to;
+  e.from = read_id(in, S::edge_tag, where);
+  e.to = read_id(in, S::edge_tag, where);
   e.measured = S::read(in);
   for (int i = 0; i < S::size; ++i)
     for (int j = i; j < S::size; ++j) {
@@ -112,8 +126,7 @@ Graph<S> read_g2o(const std::string& path) {
     std::istringstream in(line);
     if (!(in >> tag)) continue;
     if (tag == S::vertex_tag) {
-      long id = 0;
-      in >> id;
+      const long id = read_id(in, tag, where(count));
       const typename S::Pose pose = S::read(in);
       check_end(in, line, tag, where(count));
       if (!S::turns(pose)) throw std::runtime_error(where(count) + "a quaternion of length 0");

@@ -21,7 +21,7 @@ namespace {
 
 using namespace pose_graph;
 
-/// Gradient down by 1e8?
+/// Gradient down by 1e8? Says so on stderr where chi^2 or gradient are no numbers.
 template <class S>
 bool solve(const std::string& path, bool made_here) {
   const Graph<S> graph = read_g2o<S>(path);
@@ -38,7 +38,7 @@ bool solve(const std::string& path, bool made_here) {
   if (!graph.guess.empty()) starts.push_back({"the file's guess", graph.guess});
   Start* best = &starts[0];
   for (Start& start : starts)
-    if (optimizer.chi2(start.pose) < optimizer.chi2(best->pose)) best = &start;
+    if (!(optimizer.chi2(start.pose) >= optimizer.chi2(best->pose))) best = &start;  // anything is better than NaN
 
   const auto& counts = optimizer.symbolic().counts();
   std::printf("%s, %d poses, %zu edges, blocks of the factor over those of the matrix: %.2f\n", S::name, graph.poses,
@@ -51,6 +51,12 @@ bool solve(const std::string& path, bool made_here) {
   for (std::size_t k = 0; k < report.steps.size(); ++k)
     std::printf("  %3zu  chi^2 %.6e  gradient %.1e%s\n", k, report.steps[k].chi2, report.steps[k].gradient,
                 report.steps[k].damping > 0 ? "  damped" : "");
+  if (!report.finite()) {
+    std::fflush(stdout);
+    std::fprintf(stderr, "pose_graph: %s: not solved, numbers are too large: chi^2 is %g, its gradient %g\n", path.c_str(),
+                 report.steps.back().chi2, report.steps.back().gradient);
+    return false;
+  }
   const double freedom = S::size * (static_cast<double>(graph.edges.size()) - graph.poses + 1);
   std::printf("  chi^2 %.4f", report.steps.back().chi2);
   if (freedom > 0) std::printf(", over degrees of freedom %.3f", report.steps.back().chi2 / freedom);
@@ -65,9 +71,10 @@ bool solve(const std::string& path, bool made_here) {
 
 bool solve_file(const std::string& path, bool made_here) {
   std::ifstream file(path);
-  std::string line;
+  std::string line, tag;
   bool space = false;
-  while (std::getline(file, line) && !space) space = line.find("_SE3:QUAT") != std::string::npos;
+  while (std::getline(file, line) && !space)
+    space = std::istringstream(line) >> tag && (tag == Space::vertex_tag || tag == Space::edge_tag);
   return space ? solve<Space>(path, made_here) : solve<Plane>(path, made_here);
 }
 

@@ -29,6 +29,8 @@ struct Report {
   double seconds_per_iteration = 0;
   double reduction = 0;    ///< of the gradient, last over first
   bool at_rounding = false;  ///< the next step promised less than 1e-16 of chi^2
+  /// Are chi^2 and gradient numbers in the end? Else the file's are too large to be squared.
+  [[nodiscard]] bool finite() const { return std::isfinite(steps.back().chi2) && std::isfinite(steps.back().gradient); }
 };
 
 /// Gauss-Newton for  min 1/2 sum e' W e  over all poses but the first, which is held:
