@@ -216,6 +216,35 @@ TEST(RobustSolver, WhatIsNotAccurateEnoughIsStalledAndNotSingular) {
   const auto failed = given.solve(b, x);
   EXPECT_EQ(failed.status, Status::stalled);
   EXPECT_NE(failed.why.find("the given solver failed; the matrix is not singular"), std::string::npos) << failed.why;
+  EXPECT_EQ(failed.backward_error, std::numeric_limits<double>::infinity());
+}
+
+TEST(RobustSolver, NumbersThatAreNoneFromTheGivenSolverAreItsOwnFault) {
+  for (const double returned : {std::nan(""), 1e308}) {
+    RobustSolver solver(pair_graph(), {.fallback = [&](const RobustSolver::Matrix&, std::span<const double>, std::span<double> x) {
+                          std::ranges::fill(x, returned);
+                          return true;
+                        }});
+    fill(solver, 0, 10, 10, 0);
+    const std::vector<double> b{1, 2};
+    std::vector<double> x{7, 7};
+    const auto report = solver.solve(b, x);
+    EXPECT_EQ(report.status, Status::stalled) << report.why;
+    const std::string said = std::isnan(returned) ? "numbers that are not finite" : "numbers too large to be checked";
+    EXPECT_NE(report.why.find("the given solver returned " + said + "; the matrix is not singular"), std::string::npos) << report.why;
+    EXPECT_EQ(report.backward_error, std::numeric_limits<double>::infinity());
+    EXPECT_EQ(x, (std::vector<double>{7, 7}));
+  }
+}
+
+TEST(RobustSolver, WithoutASolutionTheBackwardErrorIsNotThatOfAPerfectOne) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  RobustSolver solver(pair_graph());
+  std::vector<double> x(2);
+  fill(solver, 1, 0, 0, 1);
+  EXPECT_EQ(solver.solve(std::vector{infinity, 1.0}, x).backward_error, infinity);
+  fill(solver, infinity, 0, 0, 1);
+  EXPECT_EQ(solver.solve(std::vector{1.0, 1.0}, x).backward_error, infinity);
 }
 
 TEST(RobustSolver, NothingIsSolvedByNothing) {

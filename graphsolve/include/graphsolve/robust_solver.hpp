@@ -65,11 +65,12 @@ class RobustSolver {
 
   struct Report {
     /// solved; singular: no solution, or no rung found one and is_singular() says so; not_finite: of the input, or the solution
-    /// is too large for doubles; stalled: none was accurate enough, although the matrix is not singular
+    /// is too large for doubles; stalled: none was accurate enough, although the matrix is not singular; also where the
+    /// fallback that was given found nothing, or returned numbers that are not finite
     Status status = Status::solved;
     Rung rung = Rung::factorization;
     std::string why;            ///< what was wrong with the rungs before, or with the system; empty: nothing
-    double backward_error = 0;  ///< componentwise, of the x handed out or of the best one found
+    double backward_error = 0;  ///< componentwise, of the x handed out or of the best one found; infinity: none was
     Factorization::Outcome outcome;  ///< of the first rung
     int column = 0;    ///< of several right-hand sides the worst, which all the above is of: the first that is not
                        ///< solved, else the one of the highest rung, else of the largest error

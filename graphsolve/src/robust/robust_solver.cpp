@@ -1,6 +1,7 @@
 #include "graphsolve/robust_solver.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -19,6 +20,8 @@ Ordering ordering_of(const BlockGraph& graph, const RobustSolver::Options& optio
                                 "': a sequence goes with OrderingMethod::user");
   return make_ordering(graph, options.ordering);
 }
+
+constexpr double none_found = std::numeric_limits<double>::infinity();  ///< backward error of no solution at all
 
 /// Is `a` worse news than `b`?
 bool worse(const RobustSolver::Report& a, const RobustSolver::Report& b) {
@@ -86,13 +89,14 @@ RobustSolver::Report RobustSolver::Impl::solve_column(const Columns& columns, in
   Report report;
   report.outcome = outcome;
   report.column = c;
+  Search search{.b = columns.right(c)};
   const auto fail = [&](Status status, std::string why) {
     report.status = status;
     report.why = std::move(why);
     report.unsolved = 1;
+    if (!search.best) report.backward_error = none_found;
     return report;
   };
-  Search search{.b = columns.right(c)};
   if (std::string found = not_finite(search.b); !found.empty()) return fail(Status::not_finite, std::move(found));
   bool solved = false;
   if (outcome.ok()) {
@@ -135,6 +139,7 @@ RobustSolver::Report RobustSolver::Impl::solve(const Columns& columns, Side of) 
     Report report;
     report.status = Status::not_finite;
     report.why = broken;
+    report.backward_error = none_found;
     report.outcome = outcome;
     report.unsolved = columns.count;
     return report;

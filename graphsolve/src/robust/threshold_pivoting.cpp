@@ -61,8 +61,14 @@ ThresholdPivoting::Result ThresholdPivoting::solve(const Eigen::VectorXd& b, int
   if (!regular_) result.why = "no usable pivot is left";
   else if (!solve_once(b, x)) result.why = "the given solver failed";
   if (!result.why.empty()) return result;
+  const double at_first = backward_error(matrix_, b, x, residual);
+  if (given_ && !(x.allFinite() && std::isfinite(at_first))) {  // not the fault of the input
+    result.why = x.allFinite() ? "the given solver returned numbers too large to be checked"
+                               : "the given solver returned numbers that are not finite";
+    return result;
+  }
   result.x = x;
-  result.backward_error = backward_error(matrix_, b, x, residual);
+  result.backward_error = at_first;
   for (int sweep = 0, in_vain = 0; sweep < max_sweeps && in_vain < patience && result.backward_error > 1e-16; ++sweep) {
     if (!solve_once(residual, correction)) break;
     x += correction;
