@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "matrix_source.hpp"
@@ -27,9 +28,12 @@ std::int64_t edges_of(const BlockGraph& graph) {
   return ends / 2;
 }
 
-/// Sloan's method renews what a block's neighbours are worth whenever one of them comes or goes.
-bool makes_sloan_slow(const BlockGraph& graph) {
-  constexpr double most = 1e8;  // about two seconds
+/// Sloan's method renews what a block's neighbours are worth whenever one of them comes or goes; Boost's minimum degree
+/// goes through the neighbours of a block as often.
+bool takes_long(OrderingMethod method, const BlockGraph& graph) {
+  const double most = method == OrderingMethod::sloan            ? 1e8   // about two seconds
+                      : method == OrderingMethod::minimum_degree ? 1e9   // about one
+                                                                 : INFINITY;
   double work = 0;
   for (int v = 0; v < graph.size(); ++v) {
     const auto degree = static_cast<double>(graph.edges({v}).size());
@@ -48,8 +52,9 @@ std::string bytes(std::int64_t n) {
 
 void AnalyzeReport::add_all(std::span<const OrderingMethod> methods) {
   for (const OrderingMethod method : methods) {
-    if (methods.size() > 1 && method == OrderingMethod::sloan && makes_sloan_slow(graph))
-      left_out.push_back("sloan: left out, it takes long where blocks have many neighbours; --ordering sloan waits for it");
+    if (methods.size() > 1 && takes_long(method, graph))
+      left_out.push_back(fmt::format("{0}: left out, it takes long where blocks have many neighbours; --ordering {0} waits for it",
+                                     name(method)));
     else
       add(method);
   }
