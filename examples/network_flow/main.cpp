@@ -2,8 +2,9 @@
 //
 //   minimise  sum_e c_e q_e   over the flows q   subject to  outflow - inflow = supply at every town,  0 <= q_e <= cap_e
 //
-// Roads without quadratic cost have nothing on their diagonal: semidefinite nodes. All supplies together are zero, so
-// one conservation row depends on the others, and prices are known up to a constant; nothing has to be done about it.
+// Roads without quadratic cost have nothing on their diagonal but what their bounds add: regular nodes all the same.
+// All supplies together are zero, so one conservation row depends on the others, and prices are known up to a constant;
+// nothing has to be done about it.
 // Run: build/release/bin/network_flow.
 //
 // Checked in the output, by code that does not know the solver: with whole supplies and capacities the least cost
@@ -77,7 +78,7 @@ Flow solve(const Network& network) {
   std::vector<std::vector<LinearConstraint::Part>> parts(towns);
   for (const Road& road : network.roads) {
     const std::string name = std::to_string(road.from) + "-" + std::to_string(road.to);
-    const NodeId node = graph.add_node("road " + name, 1, NodeKind::semidefinite);
+    const NodeId node = graph.add_node("road " + name, 1);
     flow.push_back(node);
     cost.add_diagonal(node, {&road.congestion, 1}, {&road.cost, 1});
     parts[road.from].push_back({node, {1}});

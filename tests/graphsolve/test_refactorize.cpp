@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 #include <random>
+#include <vector>
 
 #include "graphsolve/factorization.hpp"
 #include "support/problem_families.hpp"
@@ -174,6 +175,19 @@ TEST(Refinement, ReachesTheGoalOnEveryFamilyAndHardVariantForBothKinds) {
           (void)f->refine(b, view, 10);
           EXPECT_LE(families::backward_error(problem.matrix, view, b), 1e-15) << problem.name << (kind == FactorizationKind::ldu ? " ldu" : " ldlt");
         }
+}
+
+/// What set_zero() has written over is no factor to build on: the kept matrix is factored as a whole.
+TEST(Refactorize, AfterZeroesFactorsAllOfTheKeptMatrix) {
+  for (const Problem& problem : problems(families::Values::symmetric)) {
+    auto f = prepared(problem, FactorizationKind::ldlt);
+    ASSERT_TRUE(f->factorize().ok()) << problem.name;
+    const std::vector<double> factor(f->values().begin(), f->values().end());
+    const NodeId last = f->symbolic().node(f->symbolic().pivots() - 1);
+    f->set_zero();
+    ASSERT_TRUE(f->refactorize({&last, 1}).ok()) << problem.name;
+    EXPECT_TRUE(std::ranges::equal(f->values(), factor)) << problem.name;
+  }
 }
 
 }  // namespace test_refactorize

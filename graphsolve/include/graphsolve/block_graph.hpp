@@ -16,7 +16,8 @@ struct NodeId {
 /// What is known of a node's own diagonal block; decides when it may be eliminated (ordering.hpp).
 enum class NodeKind {
   regular,       ///< positive definite (its symmetric part), and still so when any other regular nodes are eliminated
-  semidefinite,  ///< the own block may be zero, such as a variable without cost
+  semidefinite,  ///< the own block may be zero, such as a variable without cost; one with bounds is `regular`: their
+                 ///< ports make it definite
   saddle,        ///< a constraint row: its pivot appears only through its neighbours
   shared,        ///< regular, and the saddle nodes are independent without it: a parameter of many of them, which none
                  ///< has to wait for, so that it may go last

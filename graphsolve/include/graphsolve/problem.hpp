@@ -23,7 +23,9 @@ class Problem {
   int add(PortBatch& ports);
 
   /// Makes residuals comparable: |residual| * scale is what the stopping test reads, one entry per row of the
-  /// node. Rows that are not set get one over the diagonal of the matrix, wherever x is, where that is positive, else 1.
+  /// node. Rows that are not set get one over the diagonal of the matrix, wherever x is, where that is positive, else 1;
+  /// of a diagonal below 1e-4 of what couples the row to others at the start, over that. With rows that are not set no start
+  /// is accepted without an iteration: a diagonal that cancels against its neighbours is no measure of x.
   /// Throws std::invalid_argument unless there are as many as the node has rows, and all are numbers > 0.
   void set_row_scale(NodeId node, std::span<const double> scale);
   /// What set_row_scale throws.

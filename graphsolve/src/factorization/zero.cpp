@@ -8,12 +8,14 @@
 namespace graphsolve {
 
 void Factorization::Impl::set_zero() {
+  complete_ = false;  // refactorize() has nothing to build on
   for (const int c : taking_part_.everybody()) standing_.lose_factor(c);
   for (const auto& group : symbolic_->program().groups())
     std::fill(values_.begin() + group.begin, values_.begin() + given_end(group, symmetric()), 0.0);
 }
 
 void Factorization::Impl::set_zero(std::span<const int> components) {
+  complete_ = false;
   taking_part_.set(components);
   for (const int c : components) standing_.lose_factor(c);
   const auto zero = [&](std::int64_t begin, std::int64_t end) {

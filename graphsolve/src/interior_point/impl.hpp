@@ -95,6 +95,7 @@ class InteriorPoint::Impl {
   [[nodiscard]] bool most_expect_to_end() const;
   void evaluate_ports();
   void set_default_scales();
+  void find_reach();
   void judge();
   void judge_component(int component);
   void undo(int component);
@@ -115,7 +116,10 @@ class InteriorPoint::Impl {
   }
   /// Where no step was taken yet. A barrier leaves more than a small part, so with ports that is asked for only once: after
   /// a solve that made good what those before it, each ended at its start, had left.
+  /// Rows of default scale are accepted nowhere but after an iteration: a diagonal that cancels against its neighbours
+  /// says little about how far x is.
   [[nodiscard]] double start_tolerance(int component) const {
+    if (default_rows_[component] > 0) return 0;
     if (degree_[component] > 0 && at_start_[component] != 1) return tolerance(component);
     const double part = settings_.start_part * settings_.tolerance;
     return noise_.empty() ? part : std::max(part, noise_[component]);
@@ -159,6 +163,8 @@ class InteriorPoint::Impl {
   std::vector<Course> course_;
   std::vector<double> error_, product_, mu_, alpha_, ratio_, sum_, correction_, scale_, change_, port_error_;  // as ports have them
   std::vector<int> degree_;
+  std::vector<double> reach_;      ///< by row; of those, see find_reach()
+  bool reach_known_ = false;
   std::vector<int> default_rows_;  ///< rows without a scale of the caller's
   // What is remembered from one solve to the next.
   std::vector<int> expected_iterations_;  ///< those that the solve before took

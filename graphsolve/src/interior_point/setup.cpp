@@ -16,8 +16,8 @@ namespace graphsolve {
 
 namespace {
 
+constexpr double least_diagonal = 1e-4;  ///< of what a row is coupled by, to be its scale
 constexpr double saddle_shift = 1e-12;  ///< of the diagonal of a constraint's pivot block; Newton takes it out again
-constexpr double leave_out = 1e-8;      ///< of the same: rows with a smaller pivot keep their multiplier, if they depend
 
 void check(const InteriorPointSettings& settings) {
   const auto positive = [](double value, const char* name) {
@@ -28,6 +28,9 @@ void check(const InteriorPointSettings& settings) {
   positive(settings.tolerance, "tolerance");
   positive(settings.largest_product, "largest_product");
   positive(settings.start_part, "start_part");
+  if (!(settings.leave_out >= 0 && settings.leave_out < 1))
+    throw std::invalid_argument("interior point: leave_out is " + std::to_string(settings.leave_out) +
+                                ", and must be a number from 0 to 1");
   if (settings.max_iterations < 1)
     throw std::invalid_argument("interior point: max_iterations is " + std::to_string(settings.max_iterations) +
                                 ", and must be at least 1");
@@ -78,6 +81,7 @@ InteriorPoint::Impl::Impl(Problem& problem, std::shared_ptr<const Symbolic> symb
       if (std::isnan(row_scale_[i])) {
         default_row_[i] = true;
         ++default_rows_[s.component(s.node(k))];
+        reach_.resize(s.rows());
       }
   for (auto* v : {&error_, &product_, &mu_, &alpha_, &ratio_, &sum_, &correction_, &scale_, &change_, &port_error_})
     v->assign(components, 0.0);
@@ -87,7 +91,7 @@ InteriorPoint::Impl::Impl(Problem& problem, std::shared_ptr<const Symbolic> symb
   find_row_ranges();
   kernels_ = &simd::vector_kernels();
   factorization_.allow_refinement();
-  factorization_.set_saddle_shift(saddle_shift, leave_out);
+  factorization_.set_saddle_shift(saddle_shift, settings_.leave_out);
   reports_.resize(components);
   selected_.resize(components);
   std::iota(selected_.begin(), selected_.end(), 0);
@@ -229,6 +233,7 @@ void InteriorPoint::Impl::begin(std::span<const double> x, double force_factor, 
   running_.assign(selected_.begin(), selected_.end());
   set_running();
   default_scales_ = std::ranges::any_of(running_, [&](int c) { return default_rows_[c] > 0; });
+  reach_known_ = false;
   for (const int c : running_) {
     expected_iterations_[c] = reports_[c].iterations;
     at_start_[c] = static_cast<char>(reports_[c].iterations == 0 ? 2 : std::max(0, at_start_[c] - 1));
@@ -249,19 +254,49 @@ void InteriorPoint::Impl::begin(std::span<const double> x, double force_factor, 
   }
 }
 
+/// Of each row, the largest entry beside its own node. A residual that is all rounding of multipliers over a diagonal of
+/// nearly nothing never falls below a tolerance.
+void InteriorPoint::Impl::find_reach() {
+  const Symbolic& s = factorization_.symbolic();
+  const double* values = factorization_.values().data();
+  for (const int c : running_)
+    for (const RowRange& rows : rows_of(c)) std::fill(reach_.begin() + rows.begin, reach_.begin() + rows.end, 0.0);
+  for (const int c : running_) {
+    if (default_rows_[c] == 0) continue;
+    for (int k = s.component_begin(c); k < s.component_begin(c + 1); ++k) {
+      const Symbolic::Pivot& p = s.pivot(k);
+      const auto later = s.coupled(k);
+      const std::int64_t* offset = s.block_offsets(p);
+      const auto take = [&](std::int64_t panel, int row, int count, int columns) {
+        for (int i = 0; i < count * columns; ++i)
+          keep_largest(reach_[row + i % count], std::abs(values[panel + i * static_cast<std::int64_t>(p.stride)]));
+      };
+      for (std::size_t e = 0; e < later.size(); ++e) {
+        if (s.is_fill(k, static_cast<int>(e))) continue;
+        const int other = s.dimension(later[e]);
+        take(p.upper + offset[e] * p.stride, p.row, p.dimension, other);
+        take(p.lower + offset[e] * p.stride, s.row(later[e]), other, p.dimension);
+      }
+    }
+  }
+  reach_known_ = true;
+}
+
 /// Of the rows that the caller gave none: what a residual is depends on where x is. A diagonal that is no number leaves no
 /// scale, and no solution.
 void InteriorPoint::Impl::set_default_scales() {
+  if (!reach_known_) find_reach();
   const Symbolic& s = factorization_.symbolic();
   for (const int c : running_) {
     if (default_rows_[c] == 0) continue;
     for (int k = s.component_begin(c); k < s.component_begin(c + 1); ++k)
       for (int i = 0; i < s.dimension(k); ++i) {
-        if (!default_row_[s.row(k) + i]) continue;
+        const int row = s.row(k) + i;
+        if (!default_row_[row]) continue;
         const double diagonal = factorization_.values()[s.pivot(k).diagonal + i * (s.dimension(k) + 1) * s.pivot(k).stride];
-        row_scale_[s.row(k) + i] = !std::isfinite(diagonal) ? std::numeric_limits<double>::quiet_NaN()
-                                   : diagonal > 0           ? 1 / diagonal
-                                                            : 1.0;
+        row_scale_[row] = !std::isfinite(diagonal) ? std::numeric_limits<double>::quiet_NaN()
+                          : diagonal > 0           ? 1 / std::max(diagonal, least_diagonal * reach_[row])
+                                                   : 1.0;
       }
   }
 }
@@ -287,7 +322,7 @@ Factorization::Outcome InteriorPoint::Impl::factorize_terms(std::span<const doub
   factorization_.set_saddle_shift(0);  // dependent rows are to be seen
   factorization_.keep_matrix(true);    // and named by diagnose()
   const Factorization::Outcome outcome = factorization_.factorize();
-  factorization_.set_saddle_shift(saddle_shift, leave_out);
+  factorization_.set_saddle_shift(saddle_shift, settings_.leave_out);
   return outcome;
 }
 

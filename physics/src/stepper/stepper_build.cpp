@@ -58,6 +58,8 @@ double loosest_tolerance(const Mechanism& mechanism) {
 /// What a step that ends where it begins lacks is lost, and steps add up: a force that changes velocities by less than the
 /// tolerance in each would do nothing at all. One iteration leaves the square of that.
 constexpr double start_part = 1e-3;
+/// Joint rows that depend but for the curvature of their constraints keep their multiplier.
+constexpr double leave_out = 1e-8;
 
 const Motor* motor_of(const Mechanism& mechanism, const JointGeometry& geometry) {
   const auto& motor = mechanism.joints[geometry.source].motor;
@@ -162,7 +164,8 @@ void Stepper::make_solver(const Assembly& assembly, const Stepper* same) {
   for (auto* list : {&going_, &solving_, &solved_}) list->reserve(lanes.size());
   components_.reserve(symbolic->components());
   solver = std::make_unique<graphsolve::InteriorPoint>(
-      *problem, plan, graphsolve::InteriorPointSettings{.tolerance = settings.tolerance, .start_part = start_part});
+      *problem, plan,
+      graphsolve::InteriorPointSettings{.tolerance = settings.tolerance, .start_part = start_part, .leave_out = leave_out});
   if (settings.time_phases) solver->set_profile(&profile);
 }
 
