@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -115,6 +116,27 @@ TEST(WrongArguments, WhatIsWrittenBeforeAllIsReadMustLieElsewhere) {
   EXPECT_EQ(robust.solve(x, x).status, Status::solved) << "it reads first";
   EXPECT_EQ(robust.solve_transposed(x, x).status, Status::solved);
   EXPECT_EQ(four, (std::vector<double>{0.25, 0.5, 0.75, 4}));
+}
+
+TEST(WrongArguments, WiringNamesTheNodeThatIsNotThere) {
+  const TwoNodes two;
+  const Wiring wiring(*two.symbolic, two.graph);
+  EXPECT_EQ(wiring.row({1}), two.graph.row({1}));
+  EXPECT_EQ(wiring.component({1}), two.symbolic->component({1}));
+  const auto said = [](auto ask) -> std::string {
+    try {
+      ask();
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "nothing";
+  };
+  for (const int node : {-1, 2, 7}) {
+    const std::string expected = "there is no node " + std::to_string(node);
+    EXPECT_EQ(said([&] { (void)wiring.row({node}); }), expected);
+    EXPECT_EQ(said([&] { (void)wiring.component({node}); }), expected);
+    EXPECT_EQ(said([&] { (void)wiring.block({node}, {0}); }), expected);
+  }
 }
 
 TEST(WrongArguments, CholeskyDoesNotCallAnIndefiniteMatrixSingular) {

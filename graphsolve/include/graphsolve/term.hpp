@@ -15,10 +15,17 @@ class Wiring {
   /// claims: takes up the blocks that are claimed; null where the whole matrix is zeroed before every evaluation.
   explicit Wiring(const Symbolic& symbolic, const BlockGraph& graph, std::vector<BlockHandle>* claims = nullptr)
       : symbolic_(symbolic), graph_(graph), claims_(claims) {}
-  /// First row of the node in every vector (unknowns, residual).
-  [[nodiscard]] int row(NodeId node) const { return graph_.row(node); }
+  /// First row of the node in every vector (unknowns, residual). Throws std::invalid_argument, as `block` does, when there
+  /// is no such node.
+  [[nodiscard]] int row(NodeId node) const {
+    (void)block(node, node);
+    return graph_.row(node);
+  }
   /// Connected component that the node belongs to.
-  [[nodiscard]] int component(NodeId node) const { return symbolic_.component(node); }
+  [[nodiscard]] int component(NodeId node) const {
+    (void)block(node, node);
+    return symbolic_.component(node);
+  }
   /// Derivative of the rows of `a` by the unknowns of `b`.
   [[nodiscard]] BlockHandle block(NodeId a, NodeId b) const { return symbolic_.block(a, b); }
   /// The same, of a term that *assigns* every entry of this block whenever it makes the matrix, before anything is added
