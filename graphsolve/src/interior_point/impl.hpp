@@ -165,6 +165,7 @@ class InteriorPoint::Impl {
   std::vector<int> degree_;
   std::vector<double> reach_;      ///< by row; of those, see find_reach()
   bool reach_known_ = false;
+  int defaults_ = 0;               ///< rows without a scale of the caller's, in all
   std::vector<int> default_rows_;  ///< rows without a scale of the caller's
   // What is remembered from one solve to the next.
   std::vector<int> expected_iterations_;  ///< those that the solve before took

@@ -81,8 +81,9 @@ InteriorPoint::Impl::Impl(Problem& problem, std::shared_ptr<const Symbolic> symb
       if (std::isnan(row_scale_[i])) {
         default_row_[i] = true;
         ++default_rows_[s.component(s.node(k))];
-        reach_.resize(s.rows());
+        ++defaults_;
       }
+  if (defaults_ > 0) reach_.resize(s.rows());
   for (auto* v : {&error_, &product_, &mu_, &alpha_, &ratio_, &sum_, &correction_, &scale_, &change_, &port_error_})
     v->assign(components, 0.0);
   for (auto* v : {&degree_, &expected_iterations_}) v->assign(components, 0);
@@ -305,7 +306,10 @@ void InteriorPoint::Impl::set_row_scale(NodeId node, std::span<const double> sca
   problem_.check_row_scale(node, scale);
   const int row = problem_.graph().row(node);
   for (std::size_t i = 0; i < scale.size(); ++i) {
-    if (default_row_[row + i]) --default_rows_[factorization_.symbolic().component(node)];
+    if (default_row_[row + i]) {
+      --default_rows_[factorization_.symbolic().component(node)];
+      if (--defaults_ == 0) std::vector<double>().swap(reach_);
+    }
     default_row_[row + i] = false;
     row_scale_[row + i] = scale[i];
   }
