@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Prints the figures of steps, batches, gradients, kernels and of the solver beside their bars, from what the benchmarks wrote.
 
-    step_table.py --run build/release/bin [--out DIR]       runs them (ten minutes); keeps what they wrote in DIR
+    step_table.py --run build/release/bin [--out DIR]       runs them (two minutes); keeps what they wrote in DIR
     step_table.py step.json [rollout.json gradients.json solver.json kernels.json ...]
 
 Where the machine has AVX-512, --run measures a second time with GRAPHSOLVE_SIMD=avx2; files of both kinds may be given

@@ -19,8 +19,8 @@ struct InteriorPointSettings {
   /// adds up where one solve begins at the end of the one before; see residual().
   double start_part = 1;
   /// Factorization::set_saddle_shift's: constraint rows that may depend on others keep their multiplier where less than
-  /// this part of their pivot is left. 1e-8 suits curved constraints, solved step after step, of bodies of comparable
-  /// stiffness. Where bounds alone hold some unknowns, independent rows can have pivots as small: 0, none is left out.
+  /// this part of their pivot is left. 1e-8 suits curved constraints that are solved step after step. Where bounds alone
+  /// hold some unknowns, independent rows can have pivots as small: 0, none is left out.
   double leave_out = 0;
 };
 
