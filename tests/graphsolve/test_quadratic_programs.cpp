@@ -96,7 +96,7 @@ void expect_solved(unsigned seed) {
 }
 
 /// Where far bounds alone hold some direction, 1e-11 of the scale is on its diagonal and other constraints have pivots
-/// as small as dependent ones: one in 25 failed while rows were left out by that.
+/// as small as dependent ones: 3 of these fail where rows are left out by 1e-8 of that.
 TEST(QuadraticPrograms, OfReducedRankInBoxesAreSolved) {
   for (unsigned seed = 1; seed <= 300; ++seed) expect_solved(seed);
 }

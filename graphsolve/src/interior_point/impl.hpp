@@ -163,10 +163,10 @@ class InteriorPoint::Impl {
   std::vector<Course> course_;
   std::vector<double> error_, product_, mu_, alpha_, ratio_, sum_, correction_, scale_, change_, port_error_;  // as ports have them
   std::vector<int> degree_;
-  std::vector<double> reach_;      ///< by row; of those, see find_reach()
-  bool reach_known_ = false;
-  int defaults_ = 0;               ///< rows without a scale of the caller's, in all
   std::vector<int> default_rows_;  ///< rows without a scale of the caller's
+  int defaults_ = 0;               ///< of all components
+  std::vector<double> reach_;      ///< by row, see find_reach(); empty where all have a scale of the caller's
+  bool reach_known_ = false;       ///< in this solve
   // What is remembered from one solve to the next.
   std::vector<int> expected_iterations_;  ///< those that the solve before took
   std::vector<char> at_start_;            ///< > 0: one of the last two solves ended where it began

@@ -12,7 +12,7 @@
 namespace physics {
 
 /// What presses is kept before what sticks. In the matrix of a step normals and facets are springs of one stiffness:
-/// where both hold one motion (a bar on a hinge with its tip on the floor, a box in a corner) they would share a
+/// where both hold one motion (a bar on a hinge with its tip on the floor) they would share a
 /// disturbance by least squares, while in truth friction gives way. So the normals that yield are made rigid afterwards:
 /// with S the inverse of the matrix, C, J, R their force per rate, rate by velocity and rate by pose, and z = S^T a the
 /// adjoint,
